@@ -1,0 +1,1 @@
+"""The headless engine: shapes, consistency and evaluation. It imports neither Qt nor VTK."""

@@ -1,0 +1,1 @@
+"""The hall: candidates and how well two of them agree. It knows neither meshes nor images."""

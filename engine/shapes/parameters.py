@@ -1,0 +1,129 @@
+"""All parameters of shape matching, and the presets."""
+
+from typing import Any, Literal
+
+from ..errors import BadParameter
+from ..parameters import Parameters, checked, parameter
+
+THESIS, TOP_DOWN = "thesis", "top-down"
+_T, _D = (THESIS,), (TOP_DOWN,)
+_GRAPH, _MLG, _LFD = "Segment graph", "Multi-layer graph", "Descriptor"
+_PROPOSE, _PRUNE, _VOTE = "Candidates", "Pruning", "Voting"
+
+
+class MatchParameters(Parameters):
+    """Every number of the shape pipeline. Symbols and equations are those of the thesis, chapter 3."""
+
+    method: Literal["thesis", "top-down"] = parameter(
+        TOP_DOWN, "How candidates are pruned: the thesis's two-stage diffusion pruning, or top-down agreement.",
+        group="Method")  # fmt: skip
+
+    # Segment graph
+    adjacency: Literal["auto", "shared", "proximity"] = parameter(
+        "auto", "How touching segments are found: shared vertices, surface distance, or whichever fits the mesh.",
+        group=_GRAPH)  # fmt: skip
+    touch_distance: float = parameter(
+        0.012, "Largest surface distance of touching segments where no vertices are shared.",
+        low=0.0, high=0.1, step=0.001, unit="diagonal", group=_GRAPH)  # fmt: skip
+    size_measure: Literal["area", "volume"] = parameter(
+        "area", "The measure of size in the layer rule: surface area, or volume of the capped segments.",
+        symbol="VOL", equation="3.1", group=_GRAPH)  # fmt: skip
+
+    # Multi-layer graph
+    mode: Literal["auto", "literal", "relaxed", "connected", "beam"] = parameter(
+        "auto", "Which unions become nodes: Eq 3.1 as printed or relaxed, all connected sets, or a beam of the "
+        "best by normalised cut; auto takes connected sets up to 20 segments and the beam above.",
+        equation="3.1", group=_MLG)  # fmt: skip
+    layers: int = parameter(8, "Number of layers.", low=2, high=16, symbol="L", equation="3.1", group=_MLG)
+    max_segments: int = parameter(6, "Most segments in a merged node (not the top).", low=1, high=64, group=_MLG)
+    node_cap: int = parameter(400, "Most nodes in the graph.", low=10, high=5000, step=10, group=_MLG)
+
+    # Descriptor
+    light_fields: int = parameter(4, "Number of light fields (rotations of the ten cameras).", low=1, high=10, group=_LFD)
+    resolution: int = parameter(256, "Side of a silhouette.", low=64, high=1024, step=64, unit="px", group=_LFD)
+    seed: int = parameter(0, "Seed of the light field rotations and surface samples.", low=0, high=2**31 - 1, group=_LFD)
+
+    # Candidates
+    K: int = parameter(7, "Best matches kept for each node.", low=1, high=30, symbol="K", live=True, group=_PROPOSE)
+    lfd_threshold: float = parameter(
+        0.8, "Least light field similarity of a candidate.", low=0.0, high=1.0, step=0.01, live=True,
+        methods=_T, group=_PROPOSE)  # fmt: skip
+    sigma: float = parameter(
+        8.0, "Scale of the similarity exp(-d/σ) of light field distances.", low=0.1, high=50.0, step=0.1,
+        symbol="σ", equation="3.3", live=True, methods=_T, group=_PROPOSE)  # fmt: skip
+    size_weight: float = parameter(
+        0.0, "Weight of |Δ log relative size| beside the light field distance.", low=0.0, high=20.0, step=0.1,
+        live=True, methods=_T, group=_PROPOSE)  # fmt: skip
+    extent_weight: float = parameter(
+        0.5, "Weight of |Δ log relative extent| beside the light field distance.", low=0.0, high=20.0, step=0.1,
+        live=True, methods=_D, group=_PROPOSE)  # fmt: skip
+    centrality_weight: float = parameter(
+        2.0, "Weight of |Δ log mean geodesic distance| beside the light field distance.", low=0.0, high=20.0,
+        step=0.1, live=True, methods=_D, group=_PROPOSE)  # fmt: skip
+    g_scale: float = parameter(
+        0.5, "Scale of the weight exp(-distance/scale) of a candidate.", low=0.05, high=5.0, step=0.05, live=True,
+        methods=_D, group=_PROPOSE)  # fmt: skip
+
+    # Pruning: thesis
+    delta_1: float = parameter(
+        0.2, "Radius of the local regions in the anchor stage, as a share of the graph's diameter.",
+        low=0.0, high=1.0, step=0.01, symbol="δ₁", unit="diameter", equation="3.3", live=True, methods=_T,
+        group=_PRUNE)  # fmt: skip
+    delta_2: float = parameter(
+        0.8, "Radius of the local regions in the second stage, as a share of the graph's diameter.",
+        low=0.0, high=1.0, step=0.01, symbol="δ₂", unit="diameter", equation="3.3", live=True, methods=_T,
+        group=_PRUNE)  # fmt: skip
+    c_0: float = parameter(
+        0.7, "Least isometric consistency that counts in the affinity.", low=0.0, high=0.99, step=0.01,
+        symbol="c₀", equation="3.3", live=True, methods=_T, group=_PRUNE)  # fmt: skip
+    c_2: float = parameter(
+        0.5, "Least isometric consistency with every accepted match nearby.", low=0.0, high=1.0, step=0.01,
+        symbol="c₂", live=True, methods=_T, group=_PRUNE)  # fmt: skip
+    anchors: Literal["checked", "first", "off"] = parameter(
+        "checked", "Bottom matches of the first stage: accepted first as in the thesis, only where the whole agrees "
+        "better with them than without, or not used.", live=True, methods=_T, group=_PRUNE)  # fmt: skip
+
+    # Pruning: top-down
+    agree_from: float = parameter(
+        0.7, "Agreement above which two candidates support each other.", low=0.0, high=0.99, step=0.01, live=True,
+        methods=_D, group=_PRUNE)  # fmt: skip
+    overlap_min: float = parameter(
+        0.6, "Least agreement of overlaps with every accepted match.", low=0.0, high=1.0, step=0.01, symbol="r",
+        live=True, methods=_D, group=_PRUNE)  # fmt: skip
+    ratio_min: float = parameter(
+        0.5, "Least ratio of geodesic distances with every accepted match.", low=0.0, high=1.0, step=0.01, live=True,
+        methods=_D, group=_PRUNE)  # fmt: skip
+    bottom_K: int = parameter(
+        15, "Best bottom matches looked at for each bottom segment in the last step.", low=1, high=30, live=True,
+        methods=_D, group=_PRUNE)  # fmt: skip
+    bottom_min: float = parameter(
+        0.6, "Least mean agreement of a bottom match with the accepted ones.", low=0.0, high=1.0, step=0.01,
+        live=True, methods=_D, group=_PRUNE)  # fmt: skip
+
+    # Voting
+    voting: bool = parameter(True, "Hierarchical voting.", equation="Algorithm 1", live=True, methods=_T, group=_VOTE)
+    second_run: bool = parameter(
+        True, "Run pruning and voting again with the voted matches as anchors.", live=True, methods=_T,
+        group=_VOTE)  # fmt: skip
+
+
+DEFAULT_PRESET = "top-down"
+_THESIS_RIGID: dict[str, Any] = {"method": THESIS}
+_THESIS_NONRIGID: dict[str, Any] = {"method": THESIS, "delta_1": 0.8, "delta_2": 0.2}
+PRESETS: dict[str, MatchParameters] = {
+    name: checked(MatchParameters, values)
+    for name, values in {
+        "top-down": {"method": TOP_DOWN},
+        "thesis-rigid": _THESIS_RIGID,
+        "thesis-nonrigid": _THESIS_NONRIGID,
+        "thesis-rigid-size": {**_THESIS_RIGID, "size_weight": 1.0},
+        "thesis-nonrigid-size": {**_THESIS_NONRIGID, "size_weight": 1.0},
+    }.items()
+}
+
+
+def preset(name: str) -> MatchParameters:
+    """The parameters of a preset; raises `BadParameter` with the names that there are."""
+    if name not in PRESETS:
+        raise BadParameter(f"There is no preset named '{name}'; the presets are: {', '.join(PRESETS)}.")
+    return PRESETS[name]

@@ -37,7 +37,7 @@ def aeroplane(rng: np.random.Generator) -> list[Solid]:
 def _fuselage(rng: np.random.Generator, length: float, radius: float) -> Solid:
     nose, flat = rng.uniform(0.4, 0.7), rng.uniform(0.9, 1.15)
     x = np.array([0.5, 0.47, 0.4, 0.28, -0.15, -0.35, -0.5]) * length
-    r = np.array([0.2 * nose, 0.6 * nose, 0.88, 1.0, 1.0, 0.72, 0.22]) * radius
+    r = np.array([0.5 * nose, 0.95 * nose, 0.9, 1.0, 1.0, 0.72, 0.22]) * radius
     z = np.array([-0.2, -0.1, 0, 0, 0, 0.15, 0.45]) * radius
     return tube("fuselage", np.c_[x, 0 * x, z], np.c_[r, flat * r], up=(0, 0, 1), steps=40)
 

@@ -5,7 +5,7 @@ import numpy as np
 from .solids import Solid
 
 CORNER = np.cos(np.radians(35))
-FEWEST_SIDES, MOST_SIDES = 8, 64
+FEWEST_SIDES, MOST_SIDES = 12, 64
 
 
 def loft(solid: Solid, edge: float) -> tuple[np.ndarray, np.ndarray]:

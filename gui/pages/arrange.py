@@ -1,0 +1,88 @@
+"""What the list of matches says and in which order: texts, states, filters and sorting, without any widget."""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from engine.shapes.result import Match, MatchResult
+
+SHOWN = {"all": "All matches", "single": "One-to-one", "merged": "Merged"}
+ORDERS = ("state", "match", "score", "votes", "layers")
+SYMBOLS = {"correct": "✓", "wrong": "✗", "tie": "=", "undecided": "○", "unsure": "?"}
+
+
+def union_text(names: Sequence[int | str], segments: Iterable[int]) -> str:
+    """A union of segments by the names that they have in the input: '4' or '{2, 3}'."""
+    texts = [str(names[k]) for k in segments]
+    return texts[0] if len(texts) == 1 else "{" + ", ".join(texts) + "}"
+
+
+def match_text(match: Match, result: MatchResult) -> str:
+    """'1 → {2, 3}'."""
+    source, target = result.source.segments, result.target.segments
+    return f"{union_text(source, match.source)} → {union_text(target, match.target)}"
+
+
+def merged(match: Match) -> bool:
+    """Whether either side unites several segments."""
+    return len(match.source) > 1 or len(match.target) > 1
+
+
+def state_of(match_id: str, verdicts: Mapping[str, str]) -> str:
+    """'correct', 'wrong', 'tie' or 'undecided' by the majority."""
+    verdict = verdicts.get(match_id, "undecided")
+    return verdict if verdict in ("correct", "wrong", "tie") else "undecided"
+
+
+def arranged(matches: Iterable[Match], shown: str, order: str, verdicts: Mapping[str, str]) -> list[Match]:
+    """The matches that a filter shows, in an order; equal ones stay best first. A leading '-' turns the order."""
+    chosen = [m for m in matches if shown == "all" or merged(m) == (shown == "merged")]
+    states = list(SYMBOLS)
+    keys = {
+        "state": lambda m: states.index(state_of(m.id, verdicts)),
+        "match": lambda m: (m.source, m.target),
+        "score": lambda m: -m.score,
+        "votes": lambda m: -m.votes,
+        "layers": lambda m: (m.source_layer + m.target_layer, m.source_layer),
+    }
+    turned = order.startswith("-")
+    return sorted(chosen, key=keys.get(order.lstrip("-"), keys["score"]), reverse=turned)
+
+
+def next_unanswered(matches: Sequence[Match], current: str, answered: Mapping[str, str]) -> str:
+    """Id of the first match after the current one, around the list, that has no answer yet; '' if all have."""
+    ids = [m.id for m in matches]
+    start = ids.index(current) + 1 if current in ids else 0
+    return next((i for i in ids[start:] + ids[:start] if i not in answered and i != current), "")
+
+
+def smallest_with(matches: Iterable[Match], side: int, segment: int) -> str:
+    """Id of the match with the fewest segments among those that hold a segment on a side; '' if there is none."""
+    holding = [m for m in matches if segment in (m.source, m.target)[side]]
+    return min(holding, key=lambda m: (len(m.source) + len(m.target), -m.score)).id if holding else ""
+
+
+def share_text(value: float) -> str:
+    """A share with two digits as it is printed in tables: '.93', '1.00'."""
+    return f"{value:.2f}".removeprefix("0") if 0 <= value < 0.995 else f"{value:.2f}"
+
+
+def reasons(match: Match, result: MatchResult) -> list[tuple[str, str]]:
+    """Why a match was kept, as (heading, text) rows."""
+    p = result.parameters
+    thesis = p.method == "thesis"
+    similarity = share_text(match.similarity)
+    if thesis:
+        similarity += f"  (at least {share_text(p.lfd_threshold)} is asked)"
+    score = f"{share_text(match.score)}  of the best match's " + ("confidence π" if thesis else "agreement")
+    votes = f"{match.votes}" if thesis and p.voting else "not used by this method"
+    return [
+        ("Source", _side(result.source.segments, match.source, match.source_layer)),
+        ("Target", _side(result.target.segments, match.target, match.target_layer)),
+        ("Similarity", similarity),
+        ("Score", score),
+        ("Votes", votes),
+    ]
+
+
+def _side(names: Sequence[int | str], segments: Sequence[int], layer: int) -> str:
+    noun = "segment" if len(segments) == 1 else "segments"
+    return f"{noun} {', '.join(str(names[k]) for k in segments)}  ·  layer {layer}"

@@ -1,0 +1,168 @@
+"""Keeps the result in step with the inputs and parameters of the session: what has to run, and running it."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import QObject, Signal
+
+from engine.parameters import declared
+from engine.progress import Progress, share
+from engine.shapes.parameters import MatchParameters, preset
+from engine.shapes.segmentation import SegmentedShape
+from engine.store import default_cache
+
+from ..jobs import FOLLOW, Jobs
+from ..session import Session, State
+
+NOTHING, REMATCH, MATCH = "nothing", "rematch", "match"
+_SLOW = tuple(info.name for info in declared(MatchParameters) if not info.live)
+
+
+def slow_values(parameters: MatchParameters) -> tuple[Any, ...]:
+    """The values whose change needs more than the affinity, pruning and voting."""
+    return tuple(getattr(parameters, name) for name in _SLOW)
+
+
+def needed(state: State) -> str:
+    """What has to run so that the result is that of the inputs and parameters."""
+    if state.source is None or state.target is None:
+        return NOTHING
+    if state.result is not None and (state.result.parameters, state.result.preset) == (state.parameters, state.preset):
+        return NOTHING
+    ready = state.proposals is not None and state.prepared_with is not None
+    return REMATCH if ready and slow_values(state.prepared_with) == slow_values(state.parameters) else MATCH
+
+
+def set_name_of(path: str) -> str:
+    """The set that a pair belongs to unless said otherwise: the folder of the source."""
+    return Path(path).resolve().parent.name
+
+
+class Matching(QObject):
+    """Loads pairs, runs the matching in a worker, and re-matches while a live parameter moves."""
+
+    opened = Signal(str, str)
+    took = Signal(float)
+    """seconds that the last answer took"""
+
+    def __init__(self, session: Session, jobs: Jobs, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.session, self.jobs = session, jobs
+        self.cache = default_cache()
+        self._key: tuple[Any, ...] = ()
+        session.changed.connect(self._changed)
+
+    def open_pair(self, source: str, target: str, labels: tuple[str | None, str | None] = (None, None),
+                  set_name: str = "", choose: str = "") -> None:  # fmt: skip
+        """Read two files in the worker, then show and match them; the pair shown before stays if one is bad."""
+
+        def work(progress: Progress) -> tuple[SegmentedShape, SegmentedShape]:
+            from engine.shapes.meshfile import load_shape
+
+            progress(0.0, "Reading")
+            first = load_shape(source, labels[0])
+            progress(0.5, "Reading")
+            return first, load_shape(target, labels[1])
+
+        def done(pair: tuple[SegmentedShape, SegmentedShape]) -> None:
+            self.show_pair(*pair, set_name=set_name or set_name_of(source), choose=choose)
+            self.opened.emit(source, target)
+
+        self.jobs.cancel("match")
+        self.jobs.start("load", work, done, words="Reading")
+
+    def show_pair(self, source: SegmentedShape, target: SegmentedShape, set_name: str = "", choose: str = "") -> None:
+        """Put two shapes on the table and match them."""
+        chosen = {"preset": choose, "parameters": preset(choose)} if choose else {}
+        self.session.update(source=source, target=target, set_name=set_name, proposals=None, prepared_with=None,
+                            result=None, selected="", layer=0, node=-1, **chosen)  # fmt: skip
+
+    def edit(self, name: str, value: Any, settled: bool) -> None:
+        """Change one parameter; successive changes while a hand moves are one step of the history."""
+        parameters = self.session.state.parameters.changed(**{name: value})
+        self.session.update(merge=name, parameters=parameters)
+        if settled:
+            self.session.settle()
+
+    def choose_preset(self, name: str) -> None:
+        """Take all values of a preset."""
+        self.session.update(preset=name, parameters=preset(name))
+
+    def cancel(self) -> None:
+        """Stop what runs and go back to the parameters that the shown matches were found with."""
+        self.jobs.cancel()
+        self._key = ()
+        result = self.session.state.result
+        if result is not None and result.parameters != self.session.state.parameters:
+            self.session.update(parameters=result.parameters, preset=result.preset or self.session.state.preset)
+
+    def _changed(self, _old: State, state: State, names: frozenset[str]) -> None:
+        if not names & {"source", "target", "parameters", "preset", "proposals", "result"}:
+            return
+        what = needed(state)
+        if what == NOTHING:
+            self.jobs.cancel("match")
+        elif what == REMATCH:
+            self.jobs.cancel("match")
+            self._start_rematch(state)
+        else:
+            self._start_match(state)
+
+    def _start_rematch(self, state: State) -> None:
+        from engine.shapes.matching import rematch
+
+        proposals, parameters, chosen = state.proposals, state.parameters, state.preset
+
+        def done(answer: tuple[Any, float]) -> None:
+            if self.session.state.proposals is proposals:
+                self._take(answer[1], result=answer[0])
+
+        self.jobs.start("rematch", _timed(lambda _: rematch(proposals, parameters, preset=chosen)), done, policy=FOLLOW)
+
+    def _start_match(self, state: State) -> None:
+        key = (id(state.source), id(state.target), slow_values(state.parameters))
+        if key == self._key and self.jobs.busy("match"):
+            return  # under way; what is live follows when it has come
+        self._key = key
+        source, target, parameters, chosen, cache = state.source, state.target, state.parameters, state.preset, self.cache
+
+        def work(progress: Progress) -> tuple[Any, Any]:
+            from engine.shapes.matching import describe, propose, rematch
+
+            first = describe(source, parameters, progress=share(progress, 0.0, 0.45), cache=cache)
+            second = describe(target, parameters, progress=share(progress, 0.45, 0.9), cache=cache)
+            proposals = propose(first, second, parameters, progress=share(progress, 0.9, 0.98), cache=cache)
+            return proposals, rematch(proposals, parameters, preset=chosen)
+
+        def done(answer: tuple[tuple[Any, Any], float]) -> None:
+            now = self.session.state
+            if now.source is source and now.target is target and slow_values(now.parameters) == key[2]:
+                (proposals, result), seconds = answer
+                self._take(seconds, proposals=proposals, prepared_with=parameters, result=result)
+
+        self.jobs.start("match", _timed(work), done, words="Matching", failed=self._failed)
+
+    def _failed(self, sentence: str, details: str) -> None:
+        self._key = ()
+        self.jobs.failed.emit(sentence, details)
+
+    def _take(self, seconds: float, **changes: Any) -> None:
+        """Amend the present state by an answer; keep the selection if the match is still there."""
+        kept = self.session.state.selected
+        if kept not in changes["result"].ids:
+            changes["selected"] = ""
+        self.took.emit(seconds)
+        self.session.update(record=False, **changes)
+
+
+def _timed(work: Callable[[Progress], Any]) -> Callable[[Progress], tuple[Any, float]]:
+    def run(progress: Progress) -> tuple[Any, float]:
+        began = time.perf_counter()
+        value = work(progress)
+        return value, time.perf_counter() - began
+
+    return run
+
+

@@ -1,0 +1,128 @@
+"""What the window shows, as one frozen state; pages apply only the difference, and undo keeps old states."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Any
+
+from PySide6.QtCore import QObject, Signal
+
+from engine.shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters
+from engine.shapes.result import Match, MatchResult
+from engine.shapes.segmentation import SegmentedShape
+
+UNDOABLE = ("source", "target", "set_name", "preset", "parameters", "proposals", "prepared_with", "result")
+LONGEST_HISTORY = 200
+_NONE: Mapping[str, str] = MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """Everything that the pages draw from.
+
+    `proposals` were prepared with `prepared_with` and serve every change of a live parameter; `result` may be older
+    than `parameters` for the moment that a job takes. `answers` are the volunteer's own current votes and `verdicts`
+    the majorities, both by match id, as they stand in the study file. `layer` 0 shows the matches, 1..L a layer of
+    the multi-layer graph, `node` one node of it (-1: all).
+    """
+
+    source: SegmentedShape | None = None
+    target: SegmentedShape | None = None
+    set_name: str = ""
+    preset: str = DEFAULT_PRESET
+    parameters: MatchParameters = field(default_factory=lambda: PRESETS[DEFAULT_PRESET])
+    proposals: Any = None
+    prepared_with: MatchParameters | None = None
+    result: MatchResult | None = None
+    selected: str = ""
+    shown: str = "all"
+    order: str = "score"
+    layer: int = 0
+    node: int = -1
+    linked: bool = True
+    study: str = ""
+    volunteer: str = "me"
+    answers: Mapping[str, str] = _NONE
+    verdicts: Mapping[str, str] = _NONE
+    dark: bool = False
+
+    def matches(self) -> list[Match]:
+        """The matches of the result, best first."""
+        return [] if self.result is None else self.result.matches()
+
+    def match(self, match_id: str) -> Match | None:
+        """The match of this id, if the result has it."""
+        return next((m for m in self.matches() if m.id == match_id), None)
+
+
+def difference(old: State, new: State) -> frozenset[str]:
+    """Names of the fields that differ."""
+    pairs = ((name, getattr(old, name), getattr(new, name)) for name in State.__slots__)
+    return frozenset(name for name, a, b in pairs if a is not b and a != b)
+
+
+class Session(QObject):
+    """Holds the one state, tells who listens what changed, and goes back and forth."""
+
+    changed = Signal(object, object, object)
+    """old `State`, new `State`, frozenset of the names that differ"""
+
+    def __init__(self, state: State | None = None, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.state = state or State()
+        self._undo: list[State] = []
+        self._redo: list[State] = []
+        self._merging = ""
+
+    def update(self, *, merge: str = "", record: bool = True, **changes: Any) -> frozenset[str]:
+        """Replace fields and tell what changed.
+
+        A change of an undoable field is one step of the history; successive changes with the same `merge` word (a
+        slider that moves) are one step together, and `record=False` (an answer of a job) amends the present step.
+        """
+        old, new = self.state, replace(self.state, **changes)
+        names = difference(old, new)
+        if not names:
+            return names
+        if record and names & set(UNDOABLE):
+            if not (merge and merge == self._merging and self._undo):
+                self._undo = [*self._undo[-LONGEST_HISTORY + 1 :], old]
+            self._merging = merge
+            self._redo.clear()
+        self.state = new
+        self.changed.emit(old, new, names)
+        return names
+
+    def settle(self) -> None:
+        """End the step that successive changes are merged into (a slider was let go)."""
+        self._merging = ""
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a step to go back to."""
+        return bool(self._undo)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is an undone step to do again."""
+        return bool(self._redo)
+
+    def undo(self) -> None:
+        """Go one step back (inputs, preset, parameters and their result; never votes)."""
+        self._travel(self._undo, self._redo)
+
+    def redo(self) -> None:
+        """Do the step again that was undone last."""
+        self._travel(self._redo, self._undo)
+
+    def _travel(self, there: list[State], back: list[State]) -> None:
+        if not there:
+            return
+        old, goal = self.state, there.pop()
+        back.append(old)
+        self._merging = ""
+        self.state = replace(old, **{name: getattr(goal, name) for name in UNDOABLE})
+        if self.state.match(old.selected) is None:
+            self.state = replace(self.state, selected="")
+        names = difference(old, self.state)
+        self.changed.emit(old, self.state, names)

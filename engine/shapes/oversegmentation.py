@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from ..errors import BadParameter
 from .mesh import Mesh, diagonal, face_areas
@@ -53,6 +53,21 @@ def face_neighbours(faces: np.ndarray) -> np.ndarray:
     order = np.lexsort((ends[:, 1], ends[:, 0]))
     same = (ends[order[1:]] == ends[order[:-1]]).all(axis=1)
     return np.c_[owner[order[:-1]][same], owner[order[1:]][same]]
+
+
+def without_teeth(pairs: np.ndarray, label: np.ndarray, rounds: int = 4) -> np.ndarray:
+    """Give each face (m,) that has two neighbours of one other label that label: borders lose their teeth."""
+    label = label.copy()
+    both = np.vstack([pairs, pairs[:, ::-1]])
+    for _ in range(rounds):
+        across = both[label[both[:, 0]] != label[both[:, 1]]]
+        key = across[:, 0] * (label.max() + 1) + label[across[:, 1]]
+        value, count = np.unique(key, return_counts=True)
+        teeth = value[count >= 2]
+        if not len(teeth):
+            break
+        label[teeth // (label.max() + 1)] = teeth % (label.max() + 1)
+    return label
 
 
 def connected_pieces(pairs: np.ndarray, count: int) -> np.ndarray:
@@ -108,7 +123,7 @@ def _join(group: np.ndarray, k: int, touching: np.ndarray, sizes: np.ndarray, rn
 def _touching(mesh: Mesh, region: np.ndarray) -> np.ndarray:
     """(r, r) bool: regions whose vertices come within 3 % of the diagonal of each other."""
     count = int(region.max()) + 1
-    trees = [cKDTree(mesh.vertices[np.unique(mesh.faces[region == k])]) for k in range(count)]
+    trees = [KDTree(mesh.vertices[np.unique(mesh.faces[region == k])]) for k in range(count)]
     reach = TOUCH * diagonal(mesh)
     result = np.zeros((count, count), dtype=bool)
     for i in range(count):
@@ -133,7 +148,7 @@ def _cut(
         share = np.cumsum(area[faces][order]) / area[faces].sum()
         side = np.zeros(len(faces), dtype=bool)
         side[order[share > rng.uniform(0.28, 0.72)]] = True
-        side = _both_connected(inner, side, area[faces])
+        side = _both_connected(inner, without_teeth(inner, side.astype(np.int64)) == 1, area[faces])
         if min(area[faces[side]].sum(), area[faces[~side]].sum()) >= 2 * least:
             return faces[side]
     return None

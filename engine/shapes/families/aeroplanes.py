@@ -20,13 +20,13 @@ def aeroplane(rng: np.random.Generator) -> list[Solid]:
     for side in (1, -1):
         mirror = np.array([1, side, 1])
         start = np.array([at, 0.3 * radius, low])
-        solids.append(_plate("wing", [start * mirror, tip * mirror], root, taper * root, 0.042, 0.024, (0, 0, 1)))
-    solids += _engines(rng, middle, tip, low, radius, length)
+        solids.append(_plate("wing", [start * mirror, tip * mirror], root, taper * root, 0.045, 0.028, (0, 0, 1)))
+    solids += _engines(rng, middle, tip, radius, length)
     if rng.uniform() < 0.25:
         for side in (1, -1):
-            end = (tip + [-0.05, 0.02, 0.14]) * [1, side, 1]
+            end = np.add(tip, [-0.05, 0.02, 0.14]) * [1, side, 1]
             solids.append(_plate("winglet", [(tip - [0, 0.01, 0]) * [1, side, 1], end], taper * root * 0.9,
-                                 taper * root * 0.5, 0.024, 0.02, (0, 1, 0)))  # fmt: skip
+                                 taper * root * 0.5, 0.03, 0.026, (0, 1, 0)))  # fmt: skip
     solids += _tail(rng, length, radius)
     if rng.uniform() < 0.35:
         solids.append(ellipsoid("cockpit", (0.33 * length, 0, 0.75 * radius), (0.2, 0.6 * radius, 0.55 * radius),
@@ -48,19 +48,21 @@ def _plate(name: str, path: list, root: float, tip: float, thick: float, thin: f
 
 
 def _engines(
-    rng: np.random.Generator, middle: np.ndarray, tip: np.ndarray, low: float, radius: float, length: float
+    rng: np.random.Generator, middle: np.ndarray, tip: np.ndarray, radius: float, length: float
 ) -> list[Solid]:
-    """Two or four under (or on) the wings, two at the tail, or a propeller at the nose."""
+    """Two or four under the wings, two at the tail, or a propeller at the nose."""
     size, long = rng.uniform(0.06, 0.085), rng.uniform(0.2, 0.32)
     kind = rng.choice(["two", "two", "four", "tail", "propeller"])
     if kind == "propeller":
         blade = rng.uniform(0.22, 0.32)
         nose = np.array([0.5 * length + 0.015, 0, -0.2 * radius])
-        return [tube("propeller", [nose - [0, blade, 0], nose + [0, blade, 0]], [(0.045, 0.024)] * 2, up=(1, 0, 0))]
+        return [
+            tube("propeller", [nose - [0, blade, 0], np.add(nose, [0, blade, 0])], [(0.045, 0.028)] * 2, up=(1, 0, 0))
+        ]
     if kind == "tail":
         spots = [np.array([-0.3 * length, radius * 0.75 + 0.8 * size, 0.35 * radius])]
     else:
-        drop = np.array([0.1, 0, -0.75 * size if low < 0 else -0.75 * size])
+        drop = np.array([0.1, 0, -0.75 * size])
         spots = [middle * [1, 0.8, 1] + drop]
         if kind == "four":
             spots.append(middle + 0.5 * (tip - middle) + drop)
@@ -78,11 +80,11 @@ def _tail(rng: np.random.Generator, length: float, radius: float) -> list[Solid]
     back, z = -0.43 * length, 0.3 * radius
     high, chord, lean = rng.uniform(0.3, 0.45), rng.uniform(0.2, 0.3), rng.uniform(0.08, 0.25)
     end = np.array([back - lean, 0, z + high])
-    solids = [_plate("fin", [(back, 0, z), tuple(end)], chord, 0.6 * chord, 0.034, 0.024, (0, 1, 0))]
+    solids = [_plate("fin", [(back, 0, z), tuple(end)], chord, 0.6 * chord, 0.036, 0.028, (0, 1, 0))]
     start = np.array([back - 0.85 * lean, 0, z + 0.88 * high]) if rng.uniform() < 0.3 else np.array([back, 0, z])
     reach, sweep, size = rng.uniform(0.28, 0.42), rng.uniform(0.03, 0.16), chord * rng.uniform(0.75, 1.0)
     for side in (1, -1):
-        tip = start + [-sweep, side * reach, 0.03]
-        root = start + [0, side * 0.012, 0]
-        solids.append(_plate("stabiliser", [tuple(root), tuple(tip)], size, 0.55 * size, 0.03, 0.022, (0, 0, 1)))
+        tip = np.add(start, [-sweep, side * reach, 0.03])
+        root = np.add(start, [0, side * 0.012, 0])
+        solids.append(_plate("stabiliser", [tuple(root), tuple(tip)], size, 0.55 * size, 0.034, 0.027, (0, 0, 1)))
     return solids

@@ -46,7 +46,7 @@ def _front(rng: np.random.Generator, shoulder: np.ndarray, girth: float) -> list
         out = unit(side * left * (0.45 + droop) + crown * (1 - 0.7 * droop) - 0.15 * forward)
         root = top + 0.45 * side * size * left - 0.1 * size * crown
         solids.append(tube("ear", [root, root + 0.5 * high * out, root + high * out],
-                           [(0.042, 0.026), (0.05, 0.025), (0.025, 0.022)], up=forward))  # fmt: skip
+                           [(0.044, 0.03), (0.052, 0.029), (0.03, 0.026)], up=forward))  # fmt: skip
         if horned:
             foot = top + 0.25 * side * size * left + 0.35 * long * forward
             bend = foot + 0.1 * crown + 0.05 * side * left
@@ -71,7 +71,7 @@ def _legs(rng: np.random.Generator, length: float, girth: float, tall: float, z:
             solids.append(tube("upper leg", [hip, knee], [1.25 * thick, 0.72 * thick]))
             solids.append(tube("lower leg", [knee, ankle], [0.72 * thick, 0.5 * thick]))
             if footed:
-                toe = ankle + [1.1 * thick, 0, -0.1 * thick]
+                toe = np.add(ankle, [1.1 * thick, 0, -0.1 * thick])
                 solids.append(tube("foot", [ankle - [0.1 * thick, 0, 0.1 * thick], toe], [0.62 * thick, 0.55 * thick]))
     return solids
 
@@ -82,4 +82,4 @@ def _tail(rng: np.random.Generator, root: np.ndarray, girth: float) -> Solid:
     first = root + 0.45 * long * heading(np.pi + aside, lift)
     last = first + 0.55 * long * heading(np.pi + 1.5 * aside, lift + rng.uniform(-0.7, 0.7))
     thick = girth * rng.uniform(0.17, 0.28)
-    return tube("tail", [root + [0.06, 0, 0], first, last], [1.15 * thick, thick, max(0.026, 0.7 * thick)])
+    return tube("tail", [np.add(root, [0.06, 0, 0]), first, last], [1.15 * thick, thick, max(0.03, 0.7 * thick)])

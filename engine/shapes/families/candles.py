@@ -26,7 +26,7 @@ def candlestick(rng: np.random.Generator) -> list[Solid]:
     solids += _holder(rng, np.array([0, 0, z]), rng.uniform(0.13, 0.22))
     if rng.uniform() < 0.3:
         loop = rng.uniform(0.07, 0.1)
-        solids.append(torus("handle", (0.85 * radius + loop, 0, 0.05), (0, 1, 0), loop, 0.024))
+        solids.append(torus("handle", (0.85 * radius + loop, 0, 0.05), (0, 1, 0), loop, 0.03))
     return solids
 
 
@@ -39,15 +39,15 @@ def _ring(rng: np.random.Generator, solids: list[Solid], z: float, slim: float) 
 
 def _holder(rng: np.random.Generator, foot: np.ndarray, width: float) -> list[Solid]:
     """Dish, candle and flame above a point."""
-    deep, wall = rng.uniform(0.05, 0.09), 0.024
+    deep, wall = rng.uniform(0.06, 0.1), 0.036
     bowl = [(0.35 * width, 0), (width, 0.7 * deep), (width, deep), (width - wall, deep), (0.35 * width, wall)]
     thick, tall = 0.45 * width * rng.uniform(0.7, 1.15), rng.uniform(0.25, 0.55)
-    wick = foot + [0, 0, wall - 0.012 + tall]
+    wick = np.add(foot, [0, 0, wall - 0.024 + tall])
     flame = rng.uniform(0.09, 0.13)
     drop = [(0.2 * flame, 0), (0.42 * flame, 0.3 * flame), (0.25 * flame, 0.75 * flame), (0.05 * flame, 1.2 * flame)]
     return [turned("dish", bowl, foot - [0, 0, 0.012]),
-            turned("candle", [(thick, 0), (thick, tall)], foot + [0, 0, wall - 0.024]),
-            turned("flame", drop, wick - [0, 0, 0.03], smooth=14)]  # fmt: skip
+            turned("candle", [(thick, 0), (thick, tall)], np.add(foot, [0, 0, wall - 0.036])),
+            turned("flame", drop, wick - [0, 0, 0.02], smooth=14)]  # fmt: skip
 
 
 def _branches(rng: np.random.Generator, z: float, slim: float) -> list[Solid]:
@@ -59,6 +59,6 @@ def _branches(rng: np.random.Generator, z: float, slim: float) -> list[Solid]:
         out = heading(turn + 2 * np.pi * k / count, 0)
         end = np.array([0, 0, z + rise]) + reach * out
         path = [[0, 0, z], [*(0.55 * reach * out[:2]), z - 0.05], [*(0.95 * reach * out[:2]), z + 0.3 * rise], end]
-        solids.append(tube("branch", path, max(0.026, 0.6 * slim)))
-        solids += _holder(rng, end, rng.uniform(0.1, 0.13))
+        solids.append(tube("branch", path, max(0.03, 0.6 * slim)))
+        solids += _holder(rng, end, rng.uniform(0.11, 0.14))
     return solids

@@ -5,7 +5,7 @@ import numpy as np
 from .solids import Solid, ellipsoid, heading, torus, tube, turned
 
 LABELS = ("base", "stem", "knob", "joint", "arm", "shade", "bulb", "crossbeam", "loop")
-WALL = 0.024
+WALL = 0.045
 
 
 def lamp(rng: np.random.Generator) -> list[Solid]:
@@ -55,14 +55,14 @@ def _stem(rng: np.random.Generator, foot: np.ndarray, top: np.ndarray) -> list[S
 
 def _shade(rng: np.random.Generator, end: np.ndarray, axis: np.ndarray) -> list[Solid]:
     """A bowl or cone with a wall, open along `axis`, and perhaps a bulb in it."""
-    length, small, large = rng.uniform(0.24, 0.4), rng.uniform(0.07, 0.13), rng.uniform(0.19, 0.3)
+    length, small, large = rng.uniform(0.24, 0.4), rng.uniform(0.085, 0.14), rng.uniform(0.2, 0.31)
     bell = rng.uniform(-0.03, 0.06)
     out = np.array([(small, 0), ((small + large) / 2 + bell, 0.5 * length), (large, length)])
     inner = np.array([(large - WALL, length), ((small + large) / 2 + bell - WALL, 0.5 * length), (small - WALL, WALL)])
     origin = end - 0.02 * axis
     solids = [turned("shade", np.vstack([out, inner]), origin, axis)]
     if rng.uniform() < 0.5:
-        size = 0.4 * (small + large) / 2
+        size = 0.32 * (small + large) / 2
         solids.append(ellipsoid("bulb", origin + (WALL + 1.2 * size) * axis, (1.3 * size, size, size), axis))
     return solids
 
@@ -71,8 +71,8 @@ def _crossbeam(rng: np.random.Generator, top: np.ndarray, foot: float, azimuth: 
     """A second arm on the other side that carries a hanging loop."""
     start = np.array([0, 0, foot]) + rng.uniform(0.8, 1.0) * (top - [0, 0, foot])
     end = start + rng.uniform(0.22, 0.4) * heading(azimuth + np.pi + rng.uniform(-0.6, 0.6), rng.uniform(-0.1, 0.5))
-    ring, thick = rng.uniform(0.06, 0.1), rng.uniform(0.02, 0.026)
+    ring, thick = rng.uniform(0.075, 0.11), rng.uniform(0.026, 0.032)
     centre = end - [0, 0, ring + 0.005]
     across = np.cross(end - start, [0, 0, 1])
-    return [tube("crossbeam", [start, end], rng.uniform(0.024, 0.034)),
+    return [tube("crossbeam", [start, end], rng.uniform(0.028, 0.036)),
             torus("loop", centre, across, ring, thick)]  # fmt: skip

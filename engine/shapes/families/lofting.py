@@ -1,5 +1,7 @@
 """From the rings of a solid to triangles of even size."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from .solids import Solid
@@ -51,7 +53,7 @@ def _ring_positions(solid: Solid, edge: float) -> np.ndarray:
     cosine = (step[:-1] * step[1:]).sum(axis=2) / np.maximum(length[:-1] * length[1:], 1e-12)
     corners = np.r_[0, 1 + np.flatnonzero(np.median(cosine, axis=1) < CORNER), len(ring) - 1]
     runs = [np.linspace(along[a], along[b], max(1, round((along[b] - along[a]) / edge)) + 1)[:-1]
-            for a, b in zip(corners[:-1], corners[1:], strict=True)]  # fmt: skip
+            for a, b in pairwise(corners)]  # fmt: skip
     return np.interp(np.r_[np.concatenate(runs), along[-1]], along, np.arange(len(ring)))
 
 

@@ -5,12 +5,12 @@ import numpy as np
 from .solids import Solid, torus, tube, turned
 
 LABELS = ("foot", "body", "neck", "lip", "handle", "spout")
-WALL = 0.03
+WALL = 0.048
 
 
 def vase(rng: np.random.Generator) -> list[Solid]:
     """The parts of a vase that stands on z = 0."""
-    height, belly, waist = rng.uniform(0.5, 0.95), rng.uniform(0.24, 0.42), rng.uniform(0.09, 0.16)
+    height, belly, waist = rng.uniform(0.5, 0.95), rng.uniform(0.24, 0.42), rng.uniform(0.1, 0.17)
     foot, tall = rng.uniform(0.05, 0.12), rng.uniform(0.15, 0.4)
     at = rng.uniform(0.35, 0.7)
     bottom = rng.uniform(0.4, 0.65) * belly
@@ -27,7 +27,7 @@ def vase(rng: np.random.Generator) -> list[Solid]:
     if kind != "plain":
         low = np.array([np.interp((at + 0.1) * height, profile[:, 1], profile[:, 0]), (at + 0.1) * height + foot])
         high = np.array([np.interp(0.75, [0, 1], [waist, mouth]), shoulder + 0.75 * tall])
-        out, thick = rng.uniform(0.1, 0.22), rng.uniform(0.026, 0.038)
+        out, thick = rng.uniform(0.1, 0.22), rng.uniform(0.032, 0.042)
         for side in (1, -1)[: 2 if kind == "two handles" else 1]:
             solids.append(_handle(low, high, out, thick, side))
     if kind == "jug":
@@ -41,7 +41,7 @@ def _neck(z: float, tall: float, waist: float, mouth: float) -> list[Solid]:
     inner = (outer - [WALL, 0])[::-1]
     inner[-1, 1] = WALL
     return [turned("neck", np.vstack([outer, inner]), (0, 0, z)),
-            torus("lip", (0, 0, z + tall), (0, 0, 1), mouth - 0.4 * WALL, 0.9 * WALL)]  # fmt: skip
+            torus("lip", (0, 0, z + tall), (0, 0, 1), mouth - 0.5 * WALL, 0.75 * WALL)]  # fmt: skip
 
 
 def _handle(low: np.ndarray, high: np.ndarray, out: float, thick: float, side: int) -> Solid:
@@ -58,4 +58,4 @@ def _spout(rng: np.random.Generator, low: np.ndarray, top: float) -> Solid:
     z = low[1] + rise * (top - low[1])
     path = [(-low[0] + 0.05, 0, low[1] - 0.03), (-low[0] - 0.45 * reach, 0, low[1] + 0.25 * (z - low[1])),
             (-low[0] - 0.75 * reach, 0, z - 0.08), (-low[0] - reach, 0, z)]  # fmt: skip
-    return tube("spout", path, [0.085, 0.06, 0.042, 0.034], round_ends=False)
+    return tube("spout", path, [0.085, 0.06, 0.045, 0.038], round_ends=False)

@@ -9,24 +9,23 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
-from ..oversegmentation import face_neighbours
+from ..oversegmentation import face_neighbours, without_teeth
 
 REACH = 2.5
 SWELL = 0.15
+TAUBIN = (0.5, -0.53, 0.5, -0.53)
 CORNERS = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 CELL_EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if np.abs(CORNERS[a] - CORNERS[b]).sum() == 1]
 
 
-def weld(
-    parts: Sequence[tuple[np.ndarray, np.ndarray]], cell: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def weld(parts: Sequence[tuple[np.ndarray, np.ndarray]], cell: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Union of closed parts (vertices, faces) as one mesh with edges near `cell`.
 
     Returns vertices (n, 3) float64, faces (m, 3) int64 and the nearest part of each face (m,) int64.
     """
-    samples = [cKDTree(surface_samples(v, f, cell / 3)) for v, f in parts]
+    samples = [KDTree(surface_samples(v, f, cell / 3)) for v, f in parts]
     everything = np.concatenate([v for v, _ in parts])
     origin = everything.min(axis=0) - cell * (3 + np.array([0.317, 0.181, 0.239]))
     shape = np.ceil((everything.max(axis=0) + 3 * cell - origin) / cell).astype(int) + 1
@@ -39,9 +38,10 @@ def weld(
         field[window] = np.minimum(field[window], distance)
     vertices, faces = surface_nets(field - SWELL * cell)
     vertices, faces = _largest_component(origin + cell * vertices, faces)
+    vertices = _smoothed(vertices, faces)
     centroid = vertices[faces].mean(axis=1)
     nearest = np.stack([tree.query(centroid, distance_upper_bound=4 * cell)[0] for tree in samples])
-    return vertices, faces, _without_islands(faces, nearest.argmin(axis=0))
+    return vertices, faces, _without_islands(faces, without_teeth(face_neighbours(faces), nearest.argmin(axis=0)))
 
 
 def surface_samples(vertices: np.ndarray, faces: np.ndarray, spacing: float) -> np.ndarray:
@@ -93,7 +93,7 @@ def _net_faces(inside: np.ndarray, index: np.ndarray, vertices: np.ndarray, axis
 
 
 def _signed_distance(
-    vertices: np.ndarray, faces: np.ndarray, tree: cKDTree, origin: np.ndarray, shape: np.ndarray, cell: float
+    vertices: np.ndarray, faces: np.ndarray, tree: KDTree, origin: np.ndarray, shape: np.ndarray, cell: float
 ) -> np.ndarray:
     """Distance to the samples on the grid (x, y, z), negative inside, cut at `REACH` cells."""
     grid = np.stack(np.meshgrid(*(np.arange(n) for n in shape), indexing="ij"), axis=-1).reshape(-1, 3)
@@ -139,6 +139,17 @@ def _largest_component(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndar
     faces = faces[component == np.bincount(component).argmax()]
     used, faces = np.unique(faces, return_inverse=True)
     return vertices[used], faces.reshape(-1, 3)
+
+
+def _smoothed(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Two rounds of smoothing that keep the volume (Taubin, "A signal processing approach to fair surfaces", 1995)."""
+    n = len(vertices)
+    ends = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    link = coo_matrix((np.ones(2 * len(ends)), (ends.ravel(), ends[:, ::-1].ravel())), shape=(n, n)).tocsr()
+    degree = np.asarray(link.sum(axis=1))
+    for weight in TAUBIN:
+        vertices = vertices + weight * (link @ vertices / degree - vertices)
+    return vertices
 
 
 def _without_islands(faces: np.ndarray, label: np.ndarray) -> np.ndarray:

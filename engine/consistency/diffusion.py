@@ -1,0 +1,55 @@
+"""Diffusion pruning: confidence from the stationary distribution, then greedy acceptance.
+
+After Tam, Martin, Rosin & Lai (2014), as the thesis simplifies it (section 3.4.2).
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+
+def stationary(degree: np.ndarray) -> np.ndarray:
+    """π (Eq 3.4): the stationary distribution of the random walk on a symmetric affinity, from its row sums (c,).
+
+    No matrix and no eigenvector is needed: π(a) = d(a) / Σ d(b). All zero where there is no affinity at all.
+    """
+    total = degree.sum()
+    return degree / total if total > 0 else np.zeros_like(degree)
+
+
+def greedy(
+    pairs: np.ndarray,
+    confidence: np.ndarray,
+    conflicts: Callable[[int], np.ndarray],
+    *,
+    first: np.ndarray | None = None,
+    least: float = 0.0,
+) -> np.ndarray:
+    """Accept candidates one-to-one in descending confidence, ties by index; rejects what an accepted one excludes.
+
+    Parameters
+    ----------
+    pairs, confidence
+        (c, 2) int64 and (c,) float64.
+    conflicts
+        `conflicts(a)` (c,) bool: the candidates that cannot stand beside the accepted candidate a.
+    first
+        Candidates (rows) that come before all others, in this order; they too must not conflict.
+    least
+        Candidates must have a confidence above it.
+
+    Returns
+    -------
+    Rows of the accepted candidates, in the order of acceptance.
+    """
+    alive = confidence > least
+    order = np.argsort(-confidence, kind="stable")
+    if first is not None and len(first):
+        alive[first] = True
+        order = np.concatenate([first, order[~np.isin(order, first)]])
+    accepted = []
+    for a in order:
+        if alive[a]:
+            accepted.append(int(a))
+            alive &= (pairs[:, 0] != pairs[a, 0]) & (pairs[:, 1] != pairs[a, 1]) & ~conflicts(int(a))
+    return np.array(accepted, dtype=np.int64)

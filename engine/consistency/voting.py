@@ -1,0 +1,30 @@
+"""Hierarchical voting (thesis, Algorithm 1, mended): matches must nest on both sides alike."""
+
+import numpy as np
+
+
+def containment(inside_source: np.ndarray, inside_target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Votes and conflicts of matches from strict containment.
+
+    `inside_source[a, b]` (p, p) bool says that the source node of match a is a proper part of that of match b,
+    `inside_target` the same for the targets. Returns votes (p,) int64, the number of matches that hold a on both
+    sides, and conflicts (p, p) bool, where one side nests and the other does not, in either direction.
+    """
+    votes = (inside_source & inside_target).sum(axis=1)
+    differ = inside_source != inside_target
+    return votes, differ | differ.T
+
+
+def vote(inside_source: np.ndarray, inside_target: np.ndarray, confidence: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Accept matches by descending votes, ties by confidence, then index, where they conflict with none accepted.
+
+    Returns the accepted rows in order of acceptance, and the votes (p,) of all matches.
+    """
+    votes, conflict = containment(inside_source, inside_target)
+    blocked = np.zeros(len(votes), dtype=bool)
+    accepted = []
+    for a in np.lexsort((np.arange(len(votes)), -confidence, -votes)):
+        if not blocked[a]:
+            accepted.append(int(a))
+            blocked |= conflict[a]
+    return np.array(accepted, dtype=np.int64), votes

@@ -1,0 +1,99 @@
+"""Which pairs of nodes are worth looking at, and how far apart they are: the slow part of a pair."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..progress import Progress, silent
+from ..store import Cache, cache_key
+from .agreement import pack
+from .describing import DescribedShape, Stopwatch
+from .lightfield import light_field_distances, signature_distances
+from .parameters import MatchParameters
+
+POOL = 30  # nearest nodes kept on each side by each of the approximate distances; K may rise to this
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proposals:
+    """A pair of described shapes and the pairs of nodes that any setting of the live parameters can choose from.
+
+    `pairs` (c, 2) int64 sorted, with exact light field distances `lfd` (c,) float64 and the differences `size`,
+    `extent` and `centrality` (c,) = |Δ log| of the measures; `bottom` (c,) bool where both nodes are segments. All
+    pairs of segments are there; the whole shapes are not. `packed_source`, `packed_target`: see `agreement.pack`.
+    """
+
+    source: DescribedShape
+    target: DescribedShape
+    pairs: np.ndarray
+    lfd: np.ndarray
+    size: np.ndarray
+    extent: np.ndarray
+    centrality: np.ndarray
+    bottom: np.ndarray
+    packed_source: np.ndarray
+    packed_target: np.ndarray
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+def propose(
+    source: DescribedShape,
+    target: DescribedShape,
+    parameters: MatchParameters,
+    *,
+    progress: Progress = silent,
+    cache: Cache | None = None,
+) -> Proposals:
+    """Exact light field distances of the pairs that can matter.
+
+    A pair is kept if it is among the `POOL` nearest of either node by the quantile signature alone, with size, or
+    with extent and centrality; and all pairs of bottom segments are.
+    """
+    watch = Stopwatch()
+    progress(0.0, "candidate pairs")
+    with watch("candidates"):
+        pairs = _pool(source, target)
+    progress(0.2, "light field distances")
+    with watch("distances"):
+        lfd = _distances(source, target, pairs, progress, cache)
+    s, t = source.measures, target.measures
+    difference = [np.abs(np.log(x[pairs[:, 0]]) - np.log(y[pairs[:, 1]])) for x, y in
+                  ((s.size, t.size), (s.extent, t.extent), (s.centrality, t.centrality))]  # fmt: skip
+    bottom = (pairs[:, 0] < len(source.graph.area)) & (pairs[:, 1] < len(target.graph.area))
+    return Proposals(source, target, pairs, lfd, *difference, bottom, pack(s), pack(t), watch.seconds)
+
+
+def _pool(source: DescribedShape, target: DescribedShape) -> np.ndarray:
+    ends = tuple(len(shape.layers.members) - 1 for shape in (source, target))  # the last node is the whole shape
+    near = signature_distances(source.signatures[: ends[0]], target.signatures[: ends[1]]).astype(np.float64)
+    s, t = source.measures, target.measures
+
+    def apart(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return np.abs(np.log(x[: ends[0], None]) - np.log(y[None, : ends[1]]))
+
+    kept = np.zeros(ends, dtype=bool)
+    kept[: len(source.graph.area), : len(target.graph.area)] = True
+    for extra in (0.0, apart(s.size, t.size), 0.5 * apart(s.extent, t.extent) + 2 * apart(s.centrality, t.centrality)):
+        distance = near + extra
+        for axis in (0, 1):
+            most = min(POOL, distance.shape[axis])
+            rows = np.argpartition(distance, most - 1, axis=axis)
+            np.put_along_axis(kept, rows[:most] if axis == 0 else rows[:, :most], True, axis=axis)
+    return np.argwhere(kept)
+
+
+def _distances(
+    source: DescribedShape, target: DescribedShape, pairs: np.ndarray, progress: Progress, cache: Cache | None
+) -> np.ndarray:
+    def make() -> dict[str, np.ndarray]:
+        parts = np.array_split(pairs, max(1, len(pairs) // 20_000))
+        found = []
+        for number, part in enumerate(parts):
+            found.append(light_field_distances(source.descriptors, target.descriptors, part))
+            progress(0.2 + 0.8 * (number + 1) / len(parts), "light field distances")
+        return {"distances": np.concatenate(found)}
+
+    if cache is None:
+        return make()["distances"]
+    key = cache_key("distances/1", source.descriptors, target.descriptors, pairs)
+    return cache.arrays(key, make)["distances"]

@@ -1,0 +1,100 @@
+"""The thesis's method: two-stage diffusion pruning with anchors, voting, and a second run (sections 3.4 and 3.5)."""
+
+import numpy as np
+
+from ..consistency.candidates import k_best
+from ..consistency.diffusion import greedy, stationary
+from ..consistency.voting import vote
+from .agreement import affinity_degrees, affinity_table, isometry
+from .hops import diameter
+from .parameters import MatchParameters
+from .proposing import Proposals
+
+
+class _Stage:
+    """One run of diffusion pruning over some of the proposed pairs: regions, affinity and confidence."""
+
+    def __init__(self, proposals: Proposals, rows: np.ndarray, similarity: np.ndarray, delta: float, p: MatchParameters):
+        self.pairs, self.similarity, self.c_2 = proposals.pairs[rows], similarity[rows], p.c_2
+        self.d_source, self.d_target = proposals.source.hops, proposals.target.hops
+        self.reach = tuple(int(delta * diameter(d) + 1e-9) for d in (self.d_source, self.d_target))
+        self.table = affinity_table(*self.reach, p.c_0)
+        degree = affinity_degrees(self.pairs, self.similarity, self.d_source, self.d_target, self.table)
+        self.confidence = stationary(degree)
+
+    def conflicts(self, a: int) -> np.ndarray:
+        """Candidates with both ends inside the local regions of a, whose isometry with a is below c₂, (c,) bool."""
+        p, q = self.d_source[self.pairs[a, 0], self.pairs[:, 0]], self.d_target[self.pairs[a, 1], self.pairs[:, 1]]
+        return (p <= self.reach[0]) & (q <= self.reach[1]) & (isometry(p, q) < self.c_2)
+
+    def accept(self, first: np.ndarray | None = None) -> np.ndarray:
+        """Rows accepted greedily, those in `first` before all others."""
+        return greedy(self.pairs, self.confidence, self.conflicts, first=first)
+
+    def coherence(self, rows: np.ndarray) -> float:
+        """xᵀMx / xᵀx of the accepted rows: how well they support each other as a whole."""
+        if not len(rows):
+            return 0.0
+        i, j = self.pairs[rows, 0], self.pairs[rows, 1]
+        p, q = self.d_source[np.ix_(i, i)].astype(int), self.d_target[np.ix_(j, j)].astype(int)
+        inside = (p <= self.reach[0]) & (q <= self.reach[1])
+        table = np.where(inside, self.table[np.minimum(p, self.reach[0]), np.minimum(q, self.reach[1])], 0.0)
+        return float((table.sum() + self.similarity[rows].sum()) / len(rows))
+
+
+def match_thesis(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Rows of `proposals.pairs` that are accepted, best first, with score, similarity and votes (each (p,)).
+
+    Score is π relative to the best match of the second stage.
+    """
+    similarity = np.exp(-(proposals.lfd + p.size_weight * proposals.size) / p.sigma)
+    distance = -similarity
+    allowed = np.exp(-proposals.lfd / p.sigma) >= p.lfd_threshold
+    bottom = np.flatnonzero(allowed & proposals.bottom)
+    anchors = bottom[k_best(proposals.pairs[bottom], distance[bottom], p.K, side=0)]
+    if p.anchors != "off" and len(anchors):
+        anchors = anchors[_Stage(proposals, anchors, similarity, p.delta_1, p).accept()]
+    rows = np.flatnonzero(allowed)
+    rows = rows[k_best(proposals.pairs[rows], distance[rows], p.K, side=0)]
+    rows = np.union1d(rows, anchors) if p.anchors != "off" else rows
+    stage = _Stage(proposals, rows, similarity, p.delta_2, p)
+    accepted = _second_stage(stage, np.searchsorted(rows, anchors), p)
+    kept, votes = _vote(proposals, stage, accepted, p)
+    if p.second_run:
+        kept, votes = _vote(proposals, stage, stage.accept(kept), p)
+    order = np.argsort(-stage.confidence[kept], kind="stable")
+    kept, votes = kept[order], votes[order]
+    best = max(float(stage.confidence.max(initial=0.0)), 1e-300)
+    return rows[kept], stage.confidence[kept] / best, stage.similarity[kept], votes
+
+
+def _second_stage(stage: _Stage, anchors: np.ndarray, p: MatchParameters) -> np.ndarray:
+    if p.anchors == "off":
+        return stage.accept()
+    anchored = stage.accept(anchors)
+    if p.anchors == "first":
+        return anchored
+    free = stage.accept()
+    return anchored if stage.coherence(anchored) >= stage.coherence(free) else free
+
+
+def _vote(
+    proposals: Proposals, stage: _Stage, accepted: np.ndarray, p: MatchParameters
+) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of the stage that voting keeps, in order, and their votes; all of them where voting is switched off."""
+    pairs = stage.pairs[accepted]
+    inside = nested(proposals, pairs)
+    kept, votes = vote(*inside, stage.confidence[accepted])
+    if not p.voting:
+        kept = np.arange(len(accepted))
+    return accepted[kept], votes[kept]
+
+
+def nested(proposals: Proposals, pairs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Whether the source (target) node of match a is a proper part of that of match b, two (p, p) bool."""
+    both = []
+    for shape, rows in ((proposals.source, pairs[:, 0]), (proposals.target, pairs[:, 1])):
+        m = shape.layers.members[rows].astype(np.float32)
+        size = m.sum(axis=1)
+        both.append(((m @ m.T) >= size[:, None]) & (size[:, None] < size[None]))
+    return both[0], both[1]

@@ -1,0 +1,62 @@
+"""The top-down method: unions are matched by how they overlap and how far apart they are, segments last."""
+
+import numpy as np
+
+from ..consistency.candidates import k_best
+from ..consistency.diffusion import greedy
+from ..consistency.voting import containment
+from .agreement import overlap_agreement, overlap_scores
+from .parameters import MatchParameters
+from .proposing import Proposals
+from .thesis import nested
+
+
+def match_top_down(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Rows of `proposals.pairs` that are accepted, best first, with score, similarity and votes (each (p,)).
+
+    1. distance = LFD + extent and centrality differences, weighted; g = exp(-distance/scale); K best both ways.
+    2. score(a) = g_a Σ_b relu((m_ab - from)/(1 - from)) g_b, where m = r · ratio of geodesic distances.
+    3. Greedy, one-to-one; a match must agree with every accepted one (r and ratio).
+    4. Bottom pairs last, by (mean m to the accepted)² · √g.
+
+    The score reported is the mean agreement m with the other accepted matches, in [0, 1].
+    """
+    distance = proposals.lfd + p.extent_weight * proposals.extent + p.centrality_weight * proposals.centrality
+    g = np.exp(-distance / p.g_scale)
+    pairs = proposals.pairs
+    rows = np.flatnonzero(k_best(pairs, distance, p.K, side=0) | k_best(pairs, distance, p.K, side=1))
+    scores = overlap_scores(pairs[rows], g[rows], proposals.packed_source, proposals.packed_target, p.agree_from)
+
+    def conflicts(a: int) -> np.ndarray:
+        r, ratio = _agree(proposals, pairs[rows[a]][None], pairs[rows])
+        return (r < p.overlap_min) | (ratio < p.ratio_min)
+
+    accepted = rows[greedy(pairs[rows], scores, conflicts)]
+    accepted = np.concatenate([accepted, _bottom_last(proposals, accepted, distance, g, p)])
+    r, ratio = _agree(proposals, pairs[accepted][:, None], pairs[accepted][None])
+    m = r * ratio
+    score = (m.sum(axis=1) - m.diagonal()) / max(len(accepted) - 1, 1)
+    votes = containment(*nested(proposals, pairs[accepted]))[0]
+    order = np.argsort(-score, kind="stable")
+    return accepted[order], np.clip(score[order], 0, 1), np.exp(-proposals.lfd[accepted[order]] / p.sigma), votes[order]
+
+
+def _bottom_last(
+    proposals: Proposals, accepted: np.ndarray, distance: np.ndarray, g: np.ndarray, p: MatchParameters
+) -> np.ndarray:
+    """Bottom pairs that fit what is accepted, for the segments that no accepted bottom pair holds yet."""
+    pairs = proposals.pairs
+    taken = pairs[accepted]
+    rows = np.flatnonzero(proposals.bottom & ~np.isin(pairs[:, 0], taken[:, 0]) & ~np.isin(pairs[:, 1], taken[:, 1]))
+    if not len(accepted) or not len(rows):
+        return np.zeros(0, dtype=np.int64)
+    rows = rows[k_best(pairs[rows], distance[rows], p.bottom_K, side=0)]
+    r, ratio = _agree(proposals, pairs[rows][:, None], taken[None])
+    mean = (r * ratio).mean(axis=1)
+    confidence = np.where(mean >= p.bottom_min, mean**2 * np.sqrt(g[rows]), 0.0)
+    none = np.zeros(len(rows), dtype=bool)
+    return rows[greedy(pairs[rows], confidence, lambda a: none)]
+
+
+def _agree(proposals: Proposals, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return overlap_agreement(proposals.packed_source, proposals.packed_target, a, b)

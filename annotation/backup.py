@@ -1,0 +1,58 @@
+"""Copies of a study kept beside it in `backups/`: whole (by SQLite's own copying), few, and never in the way."""
+
+import contextlib
+import os
+import sqlite3
+import tempfile
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+
+KEPT = 5
+EVERY_SECONDS = 3600.0
+
+
+def keep_backup(raw: sqlite3.Connection, path: Path) -> Path | None:
+    """Back up unless a copy exists that is younger than an hour, or than the last change; keep the newest five.
+
+    A backup that cannot be written (a full disk) never stops the work: votes have their own commit.
+    """
+    kept = backups(path)
+    changed = max(_mtime(path), _mtime(Path(f"{path}-wal")))
+    if kept and (_mtime(kept[-1]) >= changed or time.time() - _mtime(kept[-1]) < EVERY_SECONDS):
+        return None
+    with contextlib.suppress(OSError, sqlite3.Error):
+        made = back_up(raw, path)
+        for old in backups(path)[:-KEPT]:
+            old.unlink(missing_ok=True)
+        return made
+    return None
+
+
+def backups(path: Path) -> list[Path]:
+    """The rotating copies, oldest first (those made before a migration are not among them, and stay)."""
+    return sorted(_folder(path).glob(f"{path.name}.2*"))
+
+
+def back_up(raw: sqlite3.Connection, path: Path, label: str = "") -> Path:
+    """Copy the study as it stands to `backups/NAME.TIME`, or `backups/NAME.LABEL.TIME`, staged and renamed."""
+    stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%S.%f")
+    target = _folder(path) / ".".join(filter(None, (path.name, label, stamp)))
+    target.parent.mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".staged.") as folder:
+        staged = Path(folder) / "copy"
+        with contextlib.closing(sqlite3.connect(staged)) as copy:
+            raw.backup(copy)
+            copy.execute("PRAGMA journal_mode=DELETE")
+        os.replace(staged, target)
+    return target
+
+
+def _folder(path: Path) -> Path:
+    return path.parent / "backups"
+
+
+def _mtime(path: Path) -> float:
+    with contextlib.suppress(OSError):
+        return path.stat().st_mtime
+    return 0.0

@@ -1,0 +1,135 @@
+"""Taking results into a study: every distinct match becomes one item, and each run remembers which it proposed."""
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy import Connection, insert, select, update
+
+from engine.errors import BadInput
+
+from . import schema
+from .database import StudyFile
+from .records import Item, Proposal, Run
+from .stamps import app_version, now
+
+if TYPE_CHECKING:
+    from engine.shapes.result import MatchResult, ShapeRecord
+
+
+def add_items(handle: StudyFile, items: Iterable[Item]) -> int:
+    """Register items that need no run; those already there stay as they are. Returns how many were new."""
+    with handle.writing() as connection:
+        return _add_items(connection, items)
+
+
+def add_run(handle: StudyFile, run: Run) -> str:
+    """Register a run and its items in one transaction, and return its id.
+
+    The same outcome of the same method, parameters, pair and set is the same run: adding it again adds nothing but
+    makes it the newest of its pair.
+    """
+    found = run_id(run)
+    with handle.writing() as connection:
+        _add_items(connection, (proposal.item for proposal in run.proposals))
+        if connection.execute(update(schema.run).where(schema.run.c.id == found).values(added_at=now())).rowcount:
+            return found
+        connection.execute(insert(schema.run).values(_run_row(found, run)))
+        rows = [
+            {"run_id": found, "item_id": p.item.id, "rank": rank, "score": p.score, "votes": p.votes,
+             "similarity": p.similarity, "source_layer": p.source_layer, "target_layer": p.target_layer}
+            for rank, p in enumerate(run.proposals, start=1)
+        ]  # fmt: skip
+        if rows:
+            connection.execute(insert(schema.run_match), rows)
+    return found
+
+
+def add_result(handle: StudyFile, result: "MatchResult", *, set_name: str = "") -> str:
+    """Register a result of shape matching (see `add_run`); `set_name` names its row group in the precision table."""
+    return add_run(handle, run_of_result(result, set_name))
+
+
+def run_of_result(result: "MatchResult", set_name: str = "") -> Run:
+    """A result of shape matching as a run."""
+    source, target = _record(result.source), _record(result.target)
+    proposals = (
+        Proposal(
+            shape_item(match.id, _side(source, match.source), _side(target, match.target)),
+            match.score, match.votes, match.similarity, match.source_layer, match.target_layer,
+        )
+        for match in result.matches()
+    )  # fmt: skip
+    return Run(
+        "shape", result.method, result.preset, result.parameters.model_dump(mode="json"), set_name,
+        source, target, dict(result.seconds), distinct(proposals),
+    )  # fmt: skip
+
+
+def shape_item(match_id: str, source: Mapping[str, Any], target: Mapping[str, Any]) -> Item:
+    """The item of a match between two sides, in an order that is the same when the match was found from B to A."""
+    first, second = sorted((dict(source), dict(target)), key=lambda side: (side["sha256"], canonical(side)))
+    return Item(match_id, "shape", {"source": first, "target": second})
+
+
+def distinct(proposals: Iterable[Proposal]) -> tuple[Proposal, ...]:
+    """The first proposal of each item (a shape against itself finds a match from both sides)."""
+    found: dict[str, Proposal] = {}
+    for proposal in proposals:
+        found.setdefault(proposal.item.id, proposal)
+    return tuple(found.values())
+
+
+def run_id(run: Run) -> str:
+    """Hash of what was run on what and which matches came out; seconds and file names do not count."""
+    inputs = [[side["sha256"], side["segments"], side["faces"]] for side in (run.source, run.target)]
+    ids = sorted(proposal.item.id for proposal in run.proposals)
+    return _hash([run.kind, run.method, run.preset, run.parameters, run.set_name, inputs, ids])
+
+
+def pair_id(source: Mapping[str, Any], target: Mapping[str, Any]) -> str:
+    """Hash of the two inputs, the same in either direction."""
+    return _hash(sorted(canonical([side["sha256"], side["segments"], side["faces"]]) for side in (source, target)))
+
+
+def canonical(value: Any) -> str:
+    """JSON with sorted keys and no spaces: equal values give equal text."""
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+
+
+def _hash(value: Any) -> str:
+    return hashlib.sha256(canonical(value).encode()).hexdigest()
+
+
+def _record(record: "ShapeRecord") -> dict[str, Any]:
+    segments = [name if isinstance(name, str) else int(name) for name in record.segments]
+    return {"file": record.file, "sha256": record.sha256, "segments": segments, "faces": int(record.faces)}
+
+
+def _side(record: Mapping[str, Any], segments: Iterable[int]) -> dict[str, Any]:
+    labels = [record["segments"][index] for index in segments]
+    return {"file": record["file"], "sha256": record["sha256"], "segments": labels}
+
+
+def _add_items(connection: Connection, items: Iterable[Item]) -> int:
+    known = set(connection.scalars(select(schema.item.c.id)))
+    new = {item.id: item for item in items if item.id not in known}
+    for item in new.values():
+        if not item.id or item.kind not in ("shape", "puzzle"):
+            raise BadInput(f"An item of kind {item.kind!r} with id {item.id!r} cannot be judged; give both.")
+    if new:
+        rows = [
+            {"id": i.id, "kind": i.kind, "payload": canonical(i.payload), "created_at": now()} for i in new.values()
+        ]
+        connection.execute(insert(schema.item), rows)
+    return len(new)
+
+
+def _run_row(found: str, run: Run) -> dict[str, str]:
+    return {
+        "id": found, "kind": run.kind, "method": run.method, "preset": run.preset, "set_name": run.set_name,
+        "parameters": canonical(run.parameters), "pair": pair_id(run.source, run.target),
+        "source": canonical(run.source), "target": canonical(run.target), "seconds": canonical(run.seconds),
+        "app_version": app_version(), "added_at": now(),
+    }  # fmt: skip

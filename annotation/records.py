@@ -1,0 +1,100 @@
+"""What the judging layer hands out: frozen records, none of which tells a volunteer who proposed a match."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+from .majority import Answer
+
+Kind = Literal["shape", "puzzle"]
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """What a study file says of itself; `seed` orders its items for each volunteer."""
+
+    id: str
+    name: str
+    question: str
+    guideline: str
+    seed: str
+    settings: Mapping[str, Any]
+    created_at: str
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One distinct match to be judged, whoever proposed it.
+
+    `id` is the content hash of the match. The payload of a "shape" item is `{"source": side, "target": side}` with
+    side = `{"file", "sha256", "segments": [label, ...]}`, enough to show the match again; which side is called source
+    does not depend on the direction in which the match was found.
+    """
+
+    id: str
+    kind: Kind
+    payload: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Volunteer:
+    """Somebody who votes, known by a code alone; `seed` orders the items and chooses the sides."""
+
+    code: str
+    seed: str
+
+
+@dataclass(frozen=True, slots=True)
+class Vote:
+    """One answer as it was given. `clock` counts the events of its volunteer; times are milliseconds."""
+
+    uuid: str
+    item_id: str
+    volunteer: str
+    round: int
+    answer: Answer
+    comment: str
+    supersedes: str | None
+    clock: int
+    shown_ms: int | None
+    active_ms: int | None
+    presentation: Mapping[str, Any]
+    created_at: str
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """That a run proposed an item, with what it thought of it."""
+
+    item: Item
+    score: float
+    votes: int
+    similarity: float | None = None
+    source_layer: int | None = None
+    target_layer: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """One method with one set of parameters on one pair, and its distinct proposals, best first.
+
+    `source` and `target` are `{"file", "sha256", "segments": [label, ...], "faces"}`.
+    """
+
+    kind: Kind
+    method: str
+    preset: str
+    parameters: Mapping[str, Any]
+    set_name: str
+    source: Mapping[str, Any]
+    target: Mapping[str, Any]
+    seconds: Mapping[str, float]
+    proposals: tuple[Proposal, ...]
+
+
+class VotingProgress(NamedTuple):
+    """How far a volunteer is, and how long the rest may take (None before the first timed vote)."""
+
+    done: int
+    total: int
+    seconds_left: float | None

@@ -1,0 +1,77 @@
+"""The service of the judging layer: create or open a study file, add results, vote, undo, count.
+
+One study is one SQLite file that any number of processes and windows may hold open. The functions take the handle
+that `create_study` and `open_study` return; every failure that a person can meet is a `BadInput` or `BadParameter`.
+"""
+
+import json
+import uuid
+from pathlib import Path
+
+from sqlalchemy import Connection, insert, select
+
+from engine.errors import BadParameter
+
+from . import schema
+from .database import BUSY_SECONDS, StudyFile, create_file, open_file
+from .majority import ANSWERS, Answer, Majority, Verdict
+from .proposals import add_items, add_result, add_run, shape_item
+from .records import Item, Proposal, Run, Study, Volunteer, Vote, VotingProgress
+from .stamps import app_version, now
+from .voting import (
+    answers,
+    current_votes,
+    items,
+    majority,
+    next_item,
+    progress,
+    record_vote,
+    sides_swapped,
+    undo_vote,
+    volunteer,
+    volunteers,
+)
+
+__all__ = [
+    "ANSWERS", "DEFAULT_QUESTION", "Answer", "Item", "Majority", "Proposal", "Run", "Study", "StudyFile", "Verdict",
+    "Volunteer", "Vote", "VotingProgress", "about", "add_items", "add_result", "add_run", "answers", "create_study",
+    "current_votes", "items", "majority", "next_item", "open_study", "progress", "record_vote", "shape_item",
+    "sides_swapped", "undo_vote", "volunteer", "volunteers",
+]  # fmt: skip
+
+DEFAULT_QUESTION = "Do the two marked parts correspond?"
+
+
+def create_study(
+    path: Path | str, *, name: str, question: str = DEFAULT_QUESTION, guideline: str = "", seed: str | None = None
+) -> StudyFile:
+    """Make a new study file and open it; an existing file is refused. `seed` (drawn if None) fixes all orders."""
+    if not name.strip():
+        raise BadParameter("A study needs a name; give one.")
+    values = {
+        "id": str(uuid.uuid4()), "name": name.strip(), "question": question, "guideline": guideline,
+        "seed": seed if seed is not None else uuid.uuid4().hex, "settings": "{}",
+        "app_version": app_version(), "created_at": now(),
+    }  # fmt: skip
+
+    def fill(connection: Connection) -> None:
+        connection.execute(insert(schema.study).values(values))
+
+    create_file(Path(path).absolute(), fill)
+    return open_study(path, backup=False)
+
+
+def open_study(path: Path | str, *, busy_seconds: float = BUSY_SECONDS, backup: bool = True) -> StudyFile:
+    """Check a study file, keep a backup beside it, and open it; use as a context manager or `close()` it.
+
+    Raises `BadInput` in one sentence if the file is missing, empty, damaged, foreign, read-only, of a newer version,
+    or held by another program for longer than `busy_seconds`.
+    """
+    return open_file(Path(path).absolute(), busy_seconds=busy_seconds, backup=backup)
+
+
+def about(handle: StudyFile) -> Study:
+    """What the study says of itself."""
+    with handle.reading() as connection:
+        row = connection.execute(select(schema.study)).one()
+    return Study(row.id, row.name, row.question, row.guideline, row.seed, json.loads(row.settings), row.created_at)

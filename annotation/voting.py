@@ -1,0 +1,203 @@
+"""Voting: which item comes next for whom, and every answer on the disk before the next one shows.
+
+What a volunteer's screen gets from here names items alone: no method, parameter, score or vote of anybody else.
+"""
+
+import hashlib
+import json
+import re
+import statistics
+import unicodedata
+import uuid
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import Any
+
+from sqlalchemy import Connection, Row, func, insert, select
+
+from engine.errors import BadInput, BadParameter
+
+from . import schema
+from .database import StudyFile
+from .majority import ANSWERS, Majority, majorities
+from .proposals import canonical
+from .records import Item, Volunteer, Vote, VotingProgress
+from .stamps import app_version, now
+
+_events, _current = schema.event.c, schema.current_vote.c
+
+
+def checked_code(code: str) -> str:
+    """The code of a volunteer, 1 to 40 letters, digits, - and _; raises `BadParameter` otherwise."""
+    found = unicodedata.normalize("NFC", code.strip())
+    if not re.fullmatch(r"[\w-]{1,40}", found):
+        raise BadParameter(f"{code!r} is no volunteer code; use 1 to 40 letters, digits, - and _.")
+    return found
+
+
+def volunteer(handle: StudyFile, code: str) -> Volunteer:
+    """The volunteer of that code, made on first use."""
+    code = checked_code(code)
+    with handle.reading() as connection:
+        row = connection.execute(select(schema.volunteer).where(schema.volunteer.c.code == code)).first()
+    if row is not None:
+        return Volunteer(row.code, row.seed)
+    with handle.writing() as connection:
+        return _volunteer(connection, code)
+
+
+def volunteers(handle: StudyFile) -> tuple[Volunteer, ...]:
+    """Everybody who has a code, in its order."""
+    with handle.reading() as connection:
+        rows = connection.execute(select(schema.volunteer).order_by(schema.volunteer.c.code))
+        return tuple(Volunteer(row.code, row.seed) for row in rows)
+
+
+def record_vote(
+    handle: StudyFile,
+    item_id: str,
+    volunteer_code: str,
+    answer: str,
+    *,
+    comment: str = "",
+    shown_ms: int | None = None,
+    active_ms: int | None = None,
+    round: int = 1,
+    presentation: Mapping[str, Any] | None = None,
+) -> Vote:
+    """Commit one answer and return it; when this returns, the vote is on the disk.
+
+    An earlier answer of the same volunteer to the same item stays in the log and is superseded. Raises `BadParameter`
+    for an unknown answer or a bad code, `BadInput` for an unknown item or a file that cannot be written.
+    """
+    code = checked_code(volunteer_code)
+    if answer not in ANSWERS:
+        raise BadParameter(f"{answer!r} is no answer; choose one of {', '.join(ANSWERS)}.")
+    with handle.writing() as connection:
+        _volunteer(connection, code)
+        if connection.scalar(select(schema.item.c.id).where(schema.item.c.id == item_id)) is None:
+            raise BadInput(f"The study has no item {item_id}; add its result first.")
+        before = connection.scalar(
+            select(_current.uuid).where(
+                _current.item_id == item_id, _current.volunteer == code, _current.round == round
+            )
+        )
+        return _append(
+            connection, kind="vote", item_id=item_id, volunteer=code, round=round, answer=answer, comment=comment,
+            supersedes=before, shown_ms=shown_ms, active_ms=active_ms, presentation=canonical(presentation or {}),
+        )  # fmt: skip
+
+
+def undo_vote(handle: StudyFile, volunteer_code: str) -> str | None:
+    """Retract the volunteer's last vote that still stands, and return its item; None if there is none.
+
+    The retraction is an event of its own. An answer that the retracted one had replaced stands again. May be called
+    as often as there are votes.
+    """
+    code, standing = checked_code(volunteer_code), schema.standing_vote.c
+    newest_first = (standing.clock.desc(), standing.created_at.desc(), standing.uuid.desc())
+    with handle.writing() as connection:
+        last = connection.execute(
+            select(schema.standing_vote).where(standing.volunteer == code).order_by(*newest_first).limit(1)
+        ).first()
+        if last is None:
+            return None
+        _append(
+            connection, kind="retraction", item_id=last.item_id, volunteer=code, round=last.round, answer=None,
+            comment="", supersedes=last.uuid, shown_ms=None, active_ms=None, presentation="{}",
+        )  # fmt: skip
+        return str(last.item_id)
+
+
+def items(handle: StudyFile, volunteer_code: str) -> tuple[Item, ...]:
+    """All items in this volunteer's own order, which is the same whenever it is asked for."""
+    seed = volunteer(handle, volunteer_code).seed
+    with handle.reading() as connection:
+        rows = connection.execute(select(schema.item)).all()
+    return tuple(_item(row) for row in sorted(rows, key=lambda row: _draw(seed, "order", row.id)))
+
+
+def next_item(handle: StudyFile, volunteer_code: str, *, round: int = 1, skipped: Collection[str] = ()) -> Item | None:
+    """The first item that this volunteer has not answered; those `skipped` come back at the end; None when done."""
+    code = checked_code(volunteer_code)
+    done = set(answers(handle, code, round=round))
+    left = [item for item in items(handle, code) if item.id not in done]
+    return min(left, key=lambda item: item.id in skipped, default=None)
+
+
+def sides_swapped(voter: Volunteer, item_id: str) -> bool:
+    """Whether this volunteer sees the target on the left: drawn once by the seed, the same at every showing."""
+    return int(_draw(voter.seed, "side", item_id), 16) % 2 == 1
+
+
+def progress(handle: StudyFile, volunteer_code: str, *, round: int = 1) -> VotingProgress:
+    """How many of how many are answered, and the time left at the volunteer's own pace."""
+    votes = current_votes(handle, volunteer=checked_code(volunteer_code), round=round)
+    with handle.reading() as connection:
+        total = connection.scalar(select(func.count()).select_from(schema.item)) or 0
+    spent = [vote.active_ms if vote.active_ms is not None else vote.shown_ms for vote in votes]
+    pace = seconds_each([ms for ms in spent if ms is not None])
+    return VotingProgress(len(votes), total, None if pace is None else pace * (total - len(votes)))
+
+
+def seconds_each(milliseconds: Sequence[int]) -> float | None:
+    """Median of the last 20 times, pauses cut at 60 s; None without any."""
+    return statistics.median(min(ms, 60_000) for ms in milliseconds[-20:]) / 1000 if milliseconds else None
+
+
+def current_votes(
+    handle: StudyFile, item_ids: Iterable[str] | None = None, volunteer: str | None = None, *, round: int = 1
+) -> tuple[Vote, ...]:
+    """The votes that count, in the order of voting; of all items or some, of all volunteers or one."""
+    query = select(schema.current_vote).where(_current.round == round)
+    if volunteer is not None:
+        query = query.where(_current.volunteer == volunteer)
+    with handle.reading() as connection:
+        rows = connection.execute(query.order_by(_current.volunteer, _current.clock, _current.uuid)).all()
+    wanted = None if item_ids is None else set(item_ids)
+    return tuple(_vote(row) for row in rows if wanted is None or row.item_id in wanted)
+
+
+def answers(handle: StudyFile, volunteer_code: str, *, round: int = 1) -> dict[str, str]:
+    """One volunteer's current answers by item."""
+    return {vote.item_id: vote.answer for vote in current_votes(handle, volunteer=volunteer_code, round=round)}
+
+
+def majority(handle: StudyFile, *, round: int = 1) -> dict[str, Majority]:
+    """The majority of every item of the study, for the researcher."""
+    with handle.reading() as connection:
+        ids = connection.scalars(select(schema.item.c.id).order_by(schema.item.c.id)).all()
+        rows = connection.execute(select(_current.item_id, _current.answer).where(_current.round == round))
+        return majorities(ids, ((row.item_id, row.answer) for row in rows))
+
+
+def _volunteer(connection: Connection, code: str) -> Volunteer:
+    found = connection.execute(select(schema.volunteer).where(schema.volunteer.c.code == code)).first()
+    if found is None:
+        seed = _draw(str(connection.scalar(select(schema.study.c.seed))), "volunteer", code)
+        connection.execute(insert(schema.volunteer).values(code=code, seed=seed, created_at=now()))
+        return Volunteer(code, seed)
+    return Volunteer(found.code, found.seed)
+
+
+def _append(connection: Connection, **values: Any) -> Vote:
+    """Add an event, numbered after all events of its volunteer."""
+    last = connection.scalar(select(func.max(_events.clock)).where(_events.volunteer == values["volunteer"])) or 0
+    stamped = {"uuid": str(uuid.uuid4()), "clock": last + 1, "app_version": app_version(), "created_at": now()}
+    row = connection.execute(insert(schema.event).values(**values, **stamped).returning(schema.event)).one()
+    return _vote(row)
+
+
+def _draw(seed: str, purpose: str, of: str) -> str:
+    """A reproducible random number, as hexadecimal digits."""
+    return hashlib.sha256(f"{seed}\n{purpose}\n{of}".encode()).hexdigest()
+
+
+def _item(row: Row[Any]) -> Item:
+    return Item(row.id, row.kind, json.loads(row.payload))
+
+
+def _vote(row: Row[Any]) -> Vote:
+    return Vote(
+        row.uuid, row.item_id, row.volunteer, row.round, row.answer, row.comment, row.supersedes, row.clock,
+        row.shown_ms, row.active_ms, json.loads(row.presentation), row.created_at,
+    )  # fmt: skip

@@ -1,0 +1,132 @@
+"""Geometry of links in the picture: where they run, which one is hit, and where their symbols find room. No Qt."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .scene import Link
+
+REACH = 5.0
+SYMBOL_ROOM = 19.0
+_ALONG = (0.5, 0.44, 0.56, 0.38, 0.62, 0.32, 0.68, 0.26, 0.74)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinkShape:
+    """A link in the picture, in logical pixels.
+
+    `ends` (2, 2) are the two ends of a line or the middles of both sides of a polygon; `outline` (p, 2) is the line or
+    the polygon; `dots` (q, 2) the anchors of all its segments, seen or not (`seen` (q,) bool), those of the source
+    first, `sources` of them; `hidden` says that a whole side is out of sight; `symbol` (2,) is the place of its mark.
+    """
+
+    link: Link
+    ends: np.ndarray
+    outline: np.ndarray
+    dots: np.ndarray
+    seen: np.ndarray
+    sources: int
+    hidden: bool
+    symbol: np.ndarray
+
+
+def lay_out(
+    links: Sequence[Link], source: np.ndarray, source_seen: np.ndarray, target: np.ndarray, target_seen: np.ndarray
+) -> list[LinkShape]:
+    """Place links, given the projected anchors (s, 2), (t, 2) of all segments and which are seen (s,), (t,) bool."""
+    shapes: list[LinkShape] = []
+    taken: list[np.ndarray] = []
+    for link in links:
+        a, b = list(link.source), list(link.target)
+        dots = np.concatenate([source[a], target[b]])
+        seen = np.concatenate([source_seen[a], target_seen[b]])
+        ends = np.stack([source[a].mean(axis=0), target[b].mean(axis=0)])
+        symbol = _free_place(ends, taken) if marked(link) else ends.mean(axis=0)
+        if marked(link):
+            taken.append(symbol)
+        hidden = not (seen[: len(a)].any() and seen[len(a) :].any())
+        outline = convex_hull(dots) if link.merged else ends
+        shapes.append(LinkShape(link, ends, outline, dots, seen, len(a), hidden, symbol))
+    return shapes
+
+
+def marked(link: Link) -> bool:
+    """Whether a link carries a symbol: once it is judged."""
+    return link.state != "undecided"
+
+
+def _free_place(ends: np.ndarray, taken: Sequence[np.ndarray]) -> np.ndarray:
+    """The place along a link nearest to its middle where its symbol covers no other, or the middle."""
+    places = [(1 - t) * ends[0] + t * ends[1] for t in _ALONG]
+    for place in places:
+        if all(abs(place[0] - o[0]) + abs(place[1] - o[1]) > SYMBOL_ROOM for o in taken):
+            return place
+    return places[0]
+
+
+def convex_hull(points: np.ndarray) -> np.ndarray:
+    """Corners (h, 2) of the hull of points (q, 2), counter-clockwise (monotone chain); two for points on a line."""
+    ordered = sorted({(float(x), float(y)) for x, y in points})
+    if len(ordered) < 3:
+        return np.array(ordered)
+    return np.array(_half(ordered)[:-1] + _half(ordered[::-1])[:-1])
+
+
+def _half(ordered: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    chain: list[tuple[float, float]] = []
+    for p in ordered:
+        while len(chain) > 1 and _turn(chain[-2], chain[-1], p) <= 0:
+            chain.pop()
+        chain.append(p)
+    return chain
+
+
+def _turn(o: tuple[float, float], a: tuple[float, float], b: tuple[float, float]) -> float:
+    return (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
+
+
+def distance_to_segments(point: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Distance (q,) of a point (2,) from the line segments a (q, 2) to b (q, 2)."""
+    along = b - a
+    length = np.maximum((along**2).sum(axis=1), 1e-12)
+    share = np.clip(((point - a) * along).sum(axis=1) / length, 0.0, 1.0)
+    return np.hypot(*(a + share[:, None] * along - point).T)
+
+
+def contains(polygon: np.ndarray, point: np.ndarray) -> bool:
+    """Whether a convex counter-clockwise polygon (h, 2) contains a point (2,)."""
+    if len(polygon) < 3:
+        return False
+    side, to = np.roll(polygon, -1, axis=0) - polygon, point - polygon
+    return bool((side[:, 0] * to[:, 1] - side[:, 1] * to[:, 0] >= 0).all())
+
+
+def hit_outline(shapes: Sequence[LinkShape], point: np.ndarray, reach: float = REACH) -> str | None:
+    """The link whose line, outline or symbol is nearest to a point, within `reach` pixels; None if there is none.
+
+    Of links equally near the later one, which is drawn on top, is hit.
+    """
+    best, best_distance = None, reach
+    for shape in shapes:
+        corners = shape.outline
+        distance = float(distance_to_segments(point, corners, np.roll(corners, -1, axis=0)).min())
+        if marked(shape.link):
+            distance = min(distance, max(0.0, float(np.hypot(*(shape.symbol - point))) - SYMBOL_ROOM / 2 + 1))
+        if distance <= best_distance:
+            best, best_distance = shape.link.id, distance
+    return best
+
+
+def hit_inside(shapes: Sequence[LinkShape], point: np.ndarray) -> str | None:
+    """The smallest polygonal link that a point lies in, or None."""
+    inside = [s for s in shapes if s.link.merged and contains(s.outline, point)]
+    return min(inside, key=lambda s: polygon_area(s.outline)).link.id if inside else None
+
+
+def polygon_area(polygon: np.ndarray) -> float:
+    """Area of a counter-clockwise polygon (h, 2)."""
+    x, y = polygon.T
+    return float(0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)))

@@ -1,0 +1,143 @@
+"""Drawing of links and captions with QPainter: the same for the screen, PNG, SVG and PDF."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QBrush, QColor, QFont, QPainter, QPainterPath, QPen, QPolygonF
+
+from ..palette import Theme, segment_colours
+from .links import LinkShape, marked
+
+_DASHES = {"wrong": [5.0, 3.0], "tie": [1.0, 2.2]}
+_SYMBOL = 8.0
+
+
+def paint_links(
+    painter: QPainter, shapes: Sequence[LinkShape], theme: Theme, selected: str | None = None, hovered: str | None = None
+) -> None:
+    """Draw all links: polygons below lines, the hovered and the selected one on top."""
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    rank = {hovered: 2, selected: 3}
+    for shape in sorted(shapes, key=lambda s: rank.get(s.link.id, 0 if s.link.merged else 1)):
+        chosen = shape.link.id == selected
+        painter.save()
+        painter.setOpacity(_strength(shape, selected, hovered))
+        paint_link(painter, shape, theme, selected=chosen, hovered=shape.link.id == hovered)
+        painter.restore()
+
+
+def _strength(shape: LinkShape, selected: str | None, hovered: str | None) -> float:
+    if shape.link.id in (selected, hovered):
+        return 1.0
+    return (0.16 if selected is not None else 1.0) * (0.4 if shape.hidden else 1.0)
+
+
+def paint_link(painter: QPainter, shape: LinkShape, theme: Theme, *, selected: bool, hovered: bool = False) -> None:
+    """Draw one link: a halo, the line or polygon in the colour and dash of its state, its anchors and its symbol."""
+    colour, width = QColor(theme.state(shape.link.state)), line_width(shape, selected or hovered)
+    outline = _outline(shape)
+    if shape.link.merged:
+        fill = QColor(*map(int, segment_colours(max(shape.link.source) + 1)[shape.link.source[0]]))
+        fill.setAlphaF(0.42 if selected else 0.20)
+        painter.fillPath(outline, fill)
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    halo = QColor(theme.halo if selected else theme.paper)
+    halo.setAlphaF(0.95 if selected else 0.7)
+    painter.setPen(_pen(halo, width + (6.0 if selected else 2.0)))
+    painter.drawPath(outline)
+    pen = _pen(colour, width)
+    if shape.link.state in _DASHES:
+        pen.setDashPattern(_DASHES[shape.link.state])
+        pen.setCapStyle(Qt.PenCapStyle.FlatCap)
+    painter.setPen(pen)
+    painter.drawPath(outline)
+    _paint_dots(painter, shape, theme, colour, selected)
+    if marked(shape.link):
+        _paint_symbol(painter, shape.link.state, shape.symbol, theme, colour)
+
+
+def line_width(shape: LinkShape, strong: bool) -> float:
+    """Width in pixels: judged links stand out from undecided ones, and a better score is a little thicker."""
+    if strong:
+        return 4.0
+    return (2.2 if marked(shape.link) else 1.3) + 0.7 * float(np.clip(shape.link.score, 0.0, 1.0))
+
+
+def _outline(shape: LinkShape) -> QPainterPath:
+    path = QPainterPath()
+    points = QPolygonF([QPointF(x, y) for x, y in shape.outline.tolist()])
+    path.addPolygon(points)
+    if shape.link.merged and len(points) > 2:
+        path.closeSubpath()
+    return path
+
+
+def _pen(colour: QColor, width: float) -> QPen:
+    return QPen(QBrush(colour), width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap, Qt.PenJoinStyle.RoundJoin)
+
+
+def _paint_dots(painter: QPainter, shape: LinkShape, theme: Theme, colour: QColor, selected: bool) -> None:
+    """A dot at each anchor: full where it is seen, a ring where something hides it."""
+    radius = 5.0 if selected else 3.5
+    for (x, y), seen in zip(shape.dots.tolist(), shape.seen.tolist(), strict=True):
+        painter.setPen(_pen(QColor(theme.halo) if seen else colour, 1.5))
+        painter.setBrush(colour if seen else QColor(theme.paper))
+        painter.drawEllipse(QPointF(x, y), radius, radius)
+
+
+def _paint_symbol(painter: QPainter, state: str, at: np.ndarray, theme: Theme, colour: QColor) -> None:
+    """A tick, a cross or two bars in a disc, drawn as strokes so that no font is needed."""
+    x, y = map(float, at)
+    painter.setPen(_pen(QColor(theme.halo), 1.5))
+    painter.setBrush(colour)
+    painter.drawEllipse(QPointF(x, y), _SYMBOL, _SYMBOL)
+    painter.setPen(_pen(QColor("#FFFFFF"), 2.0))
+    strokes = {
+        "correct": [[(-3.6, 0.3), (-1.0, 3.0), (3.8, -2.8)]],
+        "wrong": [[(-2.9, -2.9), (2.9, 2.9)], [(-2.9, 2.9), (2.9, -2.9)]],
+        "tie": [[(-3.4, -1.8), (3.4, -1.8)], [(-3.4, 1.8), (3.4, 1.8)]],
+    }[state]
+    for stroke in strokes:
+        painter.drawPolyline(QPolygonF([QPointF(x + u, y + v) for u, v in stroke]))
+
+
+def paint_caption(painter: QPainter, box: QRectF, name: str, note: str, theme: Theme, align_right: bool) -> None:
+    """The name of a shape with a soft note behind it, at the top of its half."""
+    font = QFont(painter.font())
+    font.setPixelSize(14)
+    strong = QFont(font)
+    strong.setWeight(QFont.Weight.DemiBold)
+    painter.setFont(strong)
+    box = box.adjusted(16, 12, -16, 0)
+    metrics = painter.fontMetrics()
+    name = metrics.elidedText(name, Qt.TextElideMode.ElideMiddle, int(box.width() * 0.6))
+    width = metrics.horizontalAdvance(name)
+    height = metrics.height()
+    painter.setFont(font)
+    note_width = painter.fontMetrics().horizontalAdvance(note)
+    left = box.right() - width - 10 - note_width if align_right else box.left()
+    painter.setPen(QColor(theme.soft_ink))
+    painter.drawText(QRectF(left + width + 10, box.top(), note_width + 4, height), Qt.AlignmentFlag.AlignLeft, note)
+    painter.setFont(strong)
+    painter.setPen(QColor(theme.ink))
+    painter.drawText(QRectF(left, box.top(), width + 4, height), Qt.AlignmentFlag.AlignLeft, name)
+
+
+def paint_message(painter: QPainter, box: QRectF, text: str, theme: Theme, active: bool = False) -> None:
+    """An empty state: a dashed frame to drop files into, and what to do."""
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    frame = box.adjusted(24, 24, -24, -24)
+    pen = _pen(QColor(theme.accent if active else theme.line), 2.0)
+    pen.setDashPattern([4.0, 4.0])
+    painter.setPen(pen)
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    painter.drawRoundedRect(frame, 12, 12)
+    font = QFont(painter.font())
+    font.setPixelSize(16)
+    painter.setFont(font)
+    painter.setPen(QColor(theme.soft_ink))
+    flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+    painter.drawText(frame.adjusted(32, 32, -32, -32), flags, text)

@@ -1,0 +1,146 @@
+"""Two panes and the links between them as one drawing, for the widget, for figures and for headless pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from PySide6.QtCore import QRectF
+from PySide6.QtGui import QColor, QPainter
+
+from ..palette import Theme, rgb, segment_colours
+from .cameras import Camera, best_direction, candidate_directions, fitting_distance, look_from, view_scores
+from .links import LinkShape, lay_out
+from .painting import paint_caption, paint_links
+from .pane import Pane
+from .scene import Link, Scene, union_colours
+
+_CAPTION = 36
+
+
+class PairDrawing:
+    """The source at the left, the target at the right, links above both. `close` it before its owner goes."""
+
+    def __init__(self, theme: Theme) -> None:
+        self.theme = theme
+        self.panes = (Pane(theme), Pane(theme))
+        self.links: tuple[Link, ...] = ()
+        self.selected: str | None = None
+        self.hovered: str | None = None
+        self.captions = True
+        self._highlight: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
+        self._strong: np.ndarray | None = None
+        self._base: list[np.ndarray | None] = [None, None]
+
+    # --- what is shown
+
+    def set_scenes(self, source: Scene, target: Scene, aspect: float) -> None:
+        """Show two shapes from the usual side in panes of this width / height; links and highlights are dropped."""
+        self.links, self.selected, self.hovered = (), None, None
+        self._highlight, self._base = ((), ()), [None, None]
+        for pane, scene in zip(self.panes, (source, target), strict=True):
+            pane.set_scene(scene)
+            pane.camera = pane.home(aspect)
+        self._recolour()
+
+    def set_theme(self, theme: Theme) -> None:
+        """Change between light and dark."""
+        self.theme = theme
+        for pane in self.panes:
+            pane.set_theme(theme)
+        self._recolour()
+
+    def set_base_colours(self, source: np.ndarray | None, target: np.ndarray | None) -> None:
+        """Colours (s, 3) uint8 of the segments, for instance of a layer; None for each segment's own."""
+        self._base = [source, target]
+        self._recolour()
+
+    def set_highlight(
+        self, source: Sequence[int], target: Sequence[int], colour: np.ndarray | None = None
+    ) -> None:  # fmt: skip
+        """Show two unions in one colour (the first source segment's if None) and fade the rest; nothing if empty."""
+        self._highlight, self._strong = (tuple(source), tuple(target)), colour
+        self._recolour()
+
+    def _recolour(self) -> None:
+        strong = self._strong
+        if strong is None and any(self._highlight):
+            side = 0 if self._highlight[0] else 1
+            strong = self._colours(side)[self._highlight[side][0]]
+        for side, pane in enumerate(self.panes):
+            if pane.scene is None:
+                continue
+            colours = self._colours(side)
+            if any(self._highlight):
+                colours = union_colours(colours, self._highlight[side], strong, rgb(self.theme.faded))
+            pane.set_colours(colours)
+
+    def _colours(self, side: int) -> np.ndarray:
+        scene, base = self.panes[side].scene, self._base[side]
+        assert scene is not None
+        return segment_colours(scene.count) if base is None else np.asarray(base, np.uint8)
+
+    # --- cameras
+
+    def home(self, aspect: float) -> tuple[Camera, Camera]:
+        """The usual views of both shapes."""
+        return self.panes[0].home(aspect), self.panes[1].home(aspect)
+
+    def views_of(
+        self, source: Sequence[int], target: Sequence[int], aspect: float, together: bool = False
+    ) -> tuple[Camera, Camera]:
+        """The views in which the given segments are best seen; one common direction if `together`."""
+        wanted = (source, target)
+        scenes = [pane.scene for pane in self.panes]
+        if together:
+            candidates = candidate_directions()
+            total = sum(view_scores(s, w, candidates) for s, w in zip(scenes, wanted, strict=True))
+            directions = [candidates[int(np.argmax(total))]] * 2
+        else:
+            directions = [best_direction(s, w) for s, w in zip(scenes, wanted, strict=True)]
+        first, second = (look_from(d, fitting_distance(s, aspect)) for s, d in zip(scenes, directions, strict=True))
+        return first, second
+
+    # --- the picture
+
+    def shapes(self, width: float, height: float, scale: float) -> list[LinkShape]:
+        """The links as they lie in the picture of this size, in logical pixels."""
+        places = []
+        for side, pane in enumerate(self.panes):
+            xy, _ = pane.project(pane.scene.anchors)
+            places += [xy / scale + [side * _half(width), 0.0], pane.visible(pane.scene.anchors)]
+        return lay_out(self.links, *places)
+
+    def paint(self, painter: QPainter, width: int, height: int, scale: float, moving: bool = False) -> list[LinkShape]:
+        """Draw everything into a rectangle of logical pixels, the shapes with `scale` device pixels each.
+
+        Returns where the links lie, for hit tests.
+        """
+        half = _half(width)
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+        for side, pane in enumerate(self.panes):
+            image = pane.image(round(half * scale), round(height * scale), scale=scale, moving=moving)
+            painter.drawImage(QRectF(side * half, 0, half, height), image)
+        painter.setPen(QColor(self.theme.line))
+        painter.drawLine(round(half), _CAPTION if self.captions else 0, round(half), height)
+        shapes = self.shapes(width, height, scale)
+        paint_links(painter, shapes, self.theme, self.selected, self.hovered)
+        if self.captions:
+            self._paint_captions(painter, half)
+        return shapes
+
+    def _paint_captions(self, painter: QPainter, half: float) -> None:
+        for side, pane in enumerate(self.panes):
+            count = pane.scene.count
+            note = "1 segment" if count == 1 else f"{count} segments"
+            box = QRectF(side * half, 0, half, _CAPTION)
+            paint_caption(painter, box, pane.scene.name, note, self.theme, align_right=side == 1)
+
+    def close(self) -> None:
+        """Give both VTK windows back."""
+        for pane in self.panes:
+            pane.close()
+
+
+def _half(width: float) -> float:
+    return width / 2

@@ -39,14 +39,14 @@ def _ring(rng: np.random.Generator, solids: list[Solid], z: float, slim: float) 
 
 def _holder(rng: np.random.Generator, foot: np.ndarray, width: float) -> list[Solid]:
     """Dish, candle and flame above a point."""
-    deep, wall = rng.uniform(0.06, 0.1), 0.036
+    deep, wall = rng.uniform(0.065, 0.1), 0.042
     bowl = [(0.35 * width, 0), (width, 0.7 * deep), (width, deep), (width - wall, deep), (0.35 * width, wall)]
     thick, tall = 0.45 * width * rng.uniform(0.7, 1.15), rng.uniform(0.25, 0.55)
     wick = np.add(foot, [0, 0, wall - 0.024 + tall])
     flame = rng.uniform(0.09, 0.13)
     drop = [(0.2 * flame, 0), (0.42 * flame, 0.3 * flame), (0.25 * flame, 0.75 * flame), (0.05 * flame, 1.2 * flame)]
     return [turned("dish", bowl, foot - [0, 0, 0.012]),
-            turned("candle", [(thick, 0), (thick, tall)], np.add(foot, [0, 0, wall - 0.036])),
+            turned("candle", [(thick, 0), (thick, tall)], np.add(foot, [0, 0, wall - 0.04])),
             turned("flame", drop, wick - [0, 0, 0.02], smooth=14)]  # fmt: skip
 
 

@@ -32,7 +32,7 @@ VARIANTS = ("touching", "welded")
 POSES = ("upright", "turned")
 TOUCHING_FACES = 4000
 WELDED_FACES = 7000
-FINEST_CELL, COARSEST_CELL = 0.018, 0.028
+FINEST_CELL, COARSEST_CELL = 0.018, 0.03
 
 
 @dataclass(frozen=True, slots=True, eq=False)

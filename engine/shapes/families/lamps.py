@@ -5,7 +5,7 @@ import numpy as np
 from .solids import Solid, ellipsoid, heading, torus, tube, turned
 
 LABELS = ("base", "stem", "knob", "joint", "arm", "shade", "bulb", "crossbeam", "loop")
-WALL = 0.045
+WALL = 0.052
 
 
 def lamp(rng: np.random.Generator) -> list[Solid]:

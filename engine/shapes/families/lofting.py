@@ -54,7 +54,8 @@ def _ring_positions(solid: Solid, edge: float) -> np.ndarray:
     corners = np.r_[0, 1 + np.flatnonzero(np.median(cosine, axis=1) < CORNER), len(ring) - 1]
     runs = [np.linspace(along[a], along[b], max(1, round((along[b] - along[a]) / edge)) + 1)[:-1]
             for a, b in pairwise(corners)]  # fmt: skip
-    return np.interp(np.r_[np.concatenate(runs), along[-1]], along, np.arange(len(ring)))
+    where = np.concatenate([*runs, along[-1:]])
+    return np.asarray(np.interp(where, along, np.arange(len(ring))))
 
 
 def _stitch(rings: np.ndarray, closed: bool) -> tuple[np.ndarray, np.ndarray]:

@@ -5,7 +5,7 @@ import numpy as np
 from .solids import Solid, torus, tube, turned
 
 LABELS = ("foot", "body", "neck", "lip", "handle", "spout")
-WALL = 0.048
+WALL = 0.052
 
 
 def vase(rng: np.random.Generator) -> list[Solid]:

@@ -1,0 +1,174 @@
+"""The headless command line, `python -m engine`; also mounted by `concord`, which adds pictures and the window."""
+
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import App, Parameter
+
+from .cli import progress_bar, run
+from .parameters import assignments, declared, read_values
+from .shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters, preset
+from .store import default_cache, output_folder
+
+if TYPE_CHECKING:
+    from .shapes.result import MatchResult
+    from .shapes.segmentation import SegmentedShape
+
+PictureMaker = Callable[["SegmentedShape", "SegmentedShape", "MatchResult"], list[tuple[str, bytes]]]
+
+
+def no_pictures(source: "SegmentedShape", target: "SegmentedShape", result: "MatchResult") -> list[tuple[str, bytes]]:
+    """Reports of the bare engine have no pictures: drawing needs VTK."""
+    return []
+
+
+def build_app(draw: PictureMaker = no_pictures) -> App:
+    """The engine's commands; `draw` makes the pictures of a report."""
+    app = App(name="concord", help="Find consistent correspondences between segmented shapes.", version=_version)
+
+    @app.command
+    def match(
+        source: Path,
+        target: Path,
+        *,
+        out: Path,
+        source_labels: Path | None = None,
+        target_labels: Path | None = None,
+        preset: str = DEFAULT_PRESET,
+        set: Annotated[list[str] | None, Parameter(negative="", consume_multiple=True)] = None,
+        parameters: Path | None = None,
+    ) -> int:
+        """Match two meshes and write matches.json, matches.csv, parameters.json and report.html.
+
+        Parameters
+        ----------
+        source, target
+            Mesh files: OFF, OBJ, PLY, STL or GLB.
+        out
+            Folder for the results; made if it is missing.
+        source_labels, target_labels
+            One integer a face; without it, a .seg file of the same stem, labels in the mesh file, or its components.
+        preset
+            Named parameters; `concord parameters` lists them.
+        set
+            NAME=VALUE, replaces single parameters; may be given several times.
+        parameters
+            A parameters.json that a run has written; `--set` still wins.
+        """
+        from .shapes.meshfile import load_shape
+
+        folder = output_folder(out)
+        values = chosen_parameters(preset, set or (), parameters)
+        shapes = load_shape(source, source_labels), load_shape(target, target_labels)
+        match_into(folder, *shapes, values, preset, draw)
+        return 0
+
+    @app.command(name="parameters")
+    def list_parameters() -> None:
+        """List the presets and all parameters with their ranges, defaults, units and equations."""
+        print(parameter_text())
+
+    @app.command(name="make-shapes")
+    def make_shapes(
+        *,
+        out: Path,
+        family: Annotated[list[str] | None, Parameter(negative="", consume_multiple=True)] = None,
+        pairs: int = 1,
+        seed: int = 0,
+        variant: str = "touching",
+        segments: str = "8-16",
+    ) -> None:
+        """Write generated pairs of shapes with known truth: meshes, over-segmented labels and semantic labels.
+
+        Parameters
+        ----------
+        out
+            Folder for the shapes; made if it is missing.
+        family
+            Families of shapes (all if none is named).
+        pairs
+            Number of pairs of each family.
+        seed
+            Seed of the first pair; the same seed gives the same files.
+        variant
+            touching (parts share no vertices) or welded (one surface).
+        segments
+            Fewest and most segments of a shape, as LOW-HIGH.
+        """
+        from .shapes.families.collection import make_collection
+
+        folder = output_folder(out)
+        written = make_collection(folder, families=family or (), count=pairs, seed=seed, variant=variant, segments=segments)
+        print(f"{len(written)} shapes written to {folder}")
+
+    return app
+
+
+def match_into(
+    folder: Path,
+    source: "SegmentedShape",
+    target: "SegmentedShape",
+    parameters: MatchParameters,
+    preset_name: str,
+    draw: PictureMaker = no_pictures,
+    extra: Callable[["MatchResult"], Sequence[tuple[str, str]]] = lambda result: (),
+) -> "MatchResult":
+    """Match two shapes, print what came out and write the four result files; `extra` adds sections to the report."""
+    from .matchfile import write_matches
+    from .report import write_report
+    from .shapes.matching import match_shapes
+
+    with progress_bar() as progress:
+        result = match_shapes(source, target, parameters, preset=preset_name, progress=progress, cache=default_cache())
+    write_matches(result, folder)
+    write_report(result, folder / "report.html", draw(source, target, result), extra(result))
+    for note in result.notes:
+        print(f"note: {note}")
+    seconds = ", ".join(f"{step} {value:.2f}" for step, value in result.seconds.items())
+    print(f"{len(result.ids)} matches between {source.mesh.name} ({source.segmentation.count} segments, "
+          f"{result.source_nodes} nodes) and {target.mesh.name} ({target.segmentation.count} segments, "
+          f"{result.target_nodes} nodes)\nseconds: {seconds}\nwritten to {folder}")  # fmt: skip
+    return result
+
+
+def chosen_parameters(preset_name: str, settings: Sequence[str], file: Path | None) -> MatchParameters:
+    """A preset, then the values of a file, then single settings; raises `BadParameter` or `BadInput`."""
+    values = preset(preset_name)
+    if file is not None:
+        values = values.changed(**read_values(file))
+    return values.changed(**assignments(settings))
+
+
+def parameter_text() -> str:
+    """Presets and parameters as plain text."""
+    lines = ["Presets (values that differ from the defaults):"]
+    default = MatchParameters()
+    for name, values in PRESETS.items():
+        changes = ", ".join(f"{k}={v}" for k, v in values.differences(default).items()) or "the defaults"
+        lines.append(f"  {name:<24}{changes}{'  [default]' if name == DEFAULT_PRESET else ''}")
+    group = ""
+    for info in declared(MatchParameters):
+        if info.group != group:
+            group = info.group
+            lines += ["", f"{group}:"]
+        kinds = "|".join(info.choices) if info.choices else "true|false" if info.kind == "switch" else f"{info.low:g}..{info.high:g}"
+        details = [d for d in (info.symbol, info.unit, f"Eq {info.equation}" if info.equation else "", *info.methods) if d]
+        lines.append(f"  {info.name:<20}{info.default!s:<12}{kinds:<40}{info.doc}" + (f" [{', '.join(details)}]" if details else ""))
+    return "\n".join(lines)
+
+
+def _version() -> str:
+    from importlib.metadata import version
+
+    return version("concord-correspondences")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the headless command line."""
+    return run(build_app(), arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,51 @@
+"""What every Concord command does alike: one sentence and exit code 2 on bad input, and a progress bar."""
+
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from .errors import Cancelled, ConcordError
+from .progress import Progress
+
+if TYPE_CHECKING:
+    from cyclopts import App
+
+
+def run(app: "App", arguments: Sequence[str] | None = None) -> int:
+    """Run a command-line application and return its exit code: 0 done, 2 bad input, 130 interrupted."""
+    from cyclopts import CycloptsError
+
+    try:
+        result = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
+    except CycloptsError as error:
+        return complain(" ".join(str(error).split()))
+    except (KeyboardInterrupt, Cancelled):
+        print("concord: stopped.", file=sys.stderr)
+        return 130
+    except ConcordError as error:
+        return complain(str(error))
+    except BrokenPipeError:
+        return 0
+    except MemoryError:
+        return complain("There is not enough memory for this; lower node_cap, or use a smaller mesh.")
+    return result if isinstance(result, int) else 0
+
+
+def complain(sentence: str) -> int:
+    """Print one sentence on the standard error and return the exit code of bad input."""
+    print(f"concord: {sentence}", file=sys.stderr)
+    return 2
+
+
+@contextmanager
+def progress_bar() -> Iterator[Progress]:
+    """A progress bar with the time left on the standard error; plain silence where that is not a terminal."""
+    from rich import progress as rich_progress
+    from rich.console import Console
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description:<40}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with rich_progress.Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("starting", total=1.0)
+        yield lambda share, words: bar.update(task, completed=share, description=words[:40])

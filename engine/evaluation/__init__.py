@@ -1,0 +1,1 @@
+"""Evaluation: precision and recall, intervals, tables."""

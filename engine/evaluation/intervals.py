@@ -1,0 +1,83 @@
+"""Confidence intervals of a share whose trials come in clusters (the matches of one pair are not independent)."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import frozen_array
+from ..errors import BadParameter
+
+
+class Interval(NamedTuple):
+    """Bounds in [0, 1] and how they were found."""
+
+    low: float
+    high: float
+    method: str
+
+
+def clustered_interval(successes: object, trials: object, confidence: float = 0.95) -> Interval | None:
+    """The interval of sum(successes) / sum(trials), one entry a cluster; None without a trial.
+
+    `successes` and `trials` are (G,) whole numbers. The general case is the cluster-robust one. A share of 0 or 1 takes
+    Clopper-Pearson with the effective number of trials, one cluster alone (which tells nothing of others) and
+    clusters of exactly equal shares (which would give an interval of no width) take Wilson's; `method` says so.
+    """
+    n = frozen_array(trials, np.int64, (None,), "The trials")
+    k = frozen_array(successes, np.int64, n.shape, "The successes")
+    if (k < 0).any() or (k > n).any():
+        raise BadParameter("A cluster has fewer than 0 or more successes than trials; count again.")
+    if not 0 < confidence < 1:
+        raise BadParameter(f"A confidence of {confidence:g} is not between 0 and 1; use 0.95.")
+    k, n = k[n > 0], n[n > 0]
+    if len(n) == 0:
+        return None
+    if len(n) == 1:
+        return wilson(int(k[0]), int(n[0]), confidence)._replace(method="Wilson, one pair only")
+    if k.sum() in (0, n.sum()):
+        return clopper_pearson(float(k.sum()), float(n.sum()), len(n), confidence)
+    if (k * n.sum() == n * k.sum()).all():
+        return wilson(int(k.sum()), int(n.sum()), confidence)._replace(method="Wilson, equal pairs")
+    return cluster_robust(k, n, confidence)
+
+
+def cluster_robust(k: np.ndarray, n: np.ndarray, confidence: float = 0.95) -> Interval:
+    """Binomial GLM with only a constant, sandwich covariance over clusters, t with G - 1 degrees, back-transformed.
+
+    With one coefficient the sandwich is a sum: se² = G/(G-1) Σ(k - n p)² / (N p (1-p))², on the scale of the logit
+    (Liang & Zeger, Biometrika 73, 1986). `k`, `n` (G,) with G >= 2 and a share strictly between 0 and 1.
+    """
+    from scipy.special import expit, logit, stdtrit
+
+    g, p = len(n), k.sum() / n.sum()
+    error = np.sqrt(g / (g - 1) * np.sum((k - n * p) ** 2.0)) / (n.sum() * p * (1 - p))
+    reach = stdtrit(g - 1, (1 + confidence) / 2) * error
+    return Interval(float(expit(logit(p) - reach)), float(expit(logit(p) + reach)), "cluster-robust GLM, t")
+
+
+def clopper_pearson(k: float, n: float, clusters: int, confidence: float = 0.95) -> Interval:
+    """Exact binomial interval, its number of trials lowered to n (t_(n-1) / t_(G-1))² for G clusters.
+
+    Korn & Graubard, Survey Methodology 24 (1998); the design effect is taken as 1, which is all that can be said where
+    every trial came out alike.
+    """
+    from scipy.special import betaincinv, stdtrit
+
+    upper = (1 + confidence) / 2
+    shrink = (stdtrit(max(n - 1, 1), upper) / stdtrit(clusters - 1, upper)) ** 2 if clusters > 1 else 1.0
+    shrink = min(float(shrink), 1.0)
+    k, n = k * shrink, n * shrink
+    low = float(betaincinv(k, n - k + 1, 1 - upper)) if k > 0 else 0.0
+    high = float(betaincinv(k + 1, n - k, upper)) if k < n else 1.0
+    return Interval(low, high, "Clopper-Pearson, adjusted n")
+
+
+def wilson(k: int, n: int, confidence: float = 0.95) -> Interval:
+    """Wilson's score interval of k of n independent trials (JASA 22, 1927)."""
+    from scipy.special import ndtri
+
+    z = ndtri((1 + confidence) / 2)
+    p = k / n
+    centre, reach = p + z * z / (2 * n), z * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
+    scale = 1 + z * z / n
+    return Interval(max(0.0, float((centre - reach) / scale)), min(1.0, float((centre + reach) / scale)), "Wilson")

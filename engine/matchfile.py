@@ -1,0 +1,89 @@
+"""`matches.json` (schema concord.matches/1) and `matches.csv`: results that other programs read."""
+
+import csv
+import io
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .shapes.result import MatchResult, ShapeRecord
+from .store import write_atomically
+
+SCHEMA = "concord.matches/1"
+
+
+def result_to_json(result: MatchResult) -> dict[str, Any]:
+    """The result as the JSON object of schema concord.matches/1.
+
+    Segments are numbered by the sorted order of the labels in the input, and listed by those labels. `sha256` is the
+    hash of the arrays as they were read (see `engine.shapes.identity`), so re-exported files keep their votes.
+    """
+    return {
+        "schema": SCHEMA,
+        "source": _shape(result.source),
+        "target": _shape(result.target),
+        "method": result.method,
+        "preset": result.preset,
+        "parameters": result.parameters.model_dump(),
+        "matches": [
+            {"id": m.id, "source": _labels(result.source, m.source), "target": _labels(result.target, m.target),
+             "score": round(m.score, 6), "votes": m.votes, "source_layer": m.source_layer,
+             "target_layer": m.target_layer} for m in result.matches()
+        ],
+        "unmatched": {
+            "source": _labels(result.source, np.flatnonzero(~result.source_members.any(axis=0))),
+            "target": _labels(result.target, np.flatnonzero(~result.target_members.any(axis=0))),
+        },
+        "graph": {"source_nodes": result.source_nodes, "target_nodes": result.target_nodes},
+        "seconds": {step: round(value, 4) for step, value in result.seconds.items()},
+    }  # fmt: skip
+
+
+def _shape(record: ShapeRecord) -> dict[str, Any]:
+    return {"file": record.file, "sha256": record.sha256, "segments": len(record.segments), "faces": record.faces}
+
+
+def _labels(record: ShapeRecord, segments: Iterable[int]) -> list[int | str]:
+    return [record.segments[int(i)] for i in segments]
+
+
+def result_to_csv(result: MatchResult) -> str:
+    """One line a match; cells that a spreadsheet would run as a formula are escaped."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["id", "source", "target", "score", "votes", "source_layer", "target_layer", "similarity"])
+    for m in result.matches():
+        source, target = (" ".join(map(str, _labels(record, segments))) for record, segments in
+                          ((result.source, m.source), (result.target, m.target)))  # fmt: skip
+        writer.writerow([m.id, safe_cell(source), safe_cell(target), f"{m.score:.6f}", m.votes, m.source_layer,
+                         m.target_layer, f"{m.similarity:.6f}"])  # fmt: skip
+    return text.getvalue()
+
+
+def safe_cell(text: str) -> str:
+    """Text that no spreadsheet takes for a formula: those that begin with = + - @ get a leading apostrophe."""
+    return "'" + text if text[:1] in ("=", "+", "-", "@", "\t", "\r") and not _is_number(text) else text
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def write_matches(result: MatchResult, folder: Path | str) -> list[Path]:
+    """Write `matches.json`, `matches.csv` and `parameters.json` into a folder that exists; returns the three paths."""
+    folder = Path(folder)
+    contents = {
+        "matches.json": json.dumps(result_to_json(result), indent=1, ensure_ascii=False) + "\n",
+        "matches.csv": result_to_csv(result),
+        "parameters.json": json.dumps(result.parameters.model_dump(), indent=1) + "\n",
+    }
+    for name, content in contents.items():
+        write_atomically(folder / name, content)
+    return [folder / name for name in contents]

@@ -1,0 +1,166 @@
+"""`concord study`: studies from the command line."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, CycloptsError, Parameter
+
+from engine.errors import ConcordError
+from engine.store import write_atomically
+
+from .exchange import merge as merge_files
+from .exchange import votes_csv
+from .majority import Answer
+from .matchesfile import read_matches
+from .precision import ballots, precision_table
+from .stamps import app_version
+from .study import DEFAULT_QUESTION, add_run, create_study, open_study, record_vote
+from .tabletext import TableFormat, render
+
+app = App(
+    name="study",
+    help="Create studies, vote, merge, and print precision tables.",
+    version=app_version,
+    result_action="return_value",
+)
+
+SetName = Annotated[str, Parameter(name="--set", help="Name of the set (a row group of the table).")]
+Out = Annotated[Path | None, Parameter(help="Write to this file instead of the screen.")]
+
+
+@app.command
+def create(
+    file: Path,
+    matches: Annotated[list[Path] | None, Parameter(negative=())] = None,
+    /,
+    *,
+    set_name: SetName = "",
+    name: str = "",
+    question: str = DEFAULT_QUESTION,
+) -> None:
+    """Make a study FILE of the results in MATCHES (files matches.json).
+
+    Parameters
+    ----------
+    file
+        The study file to make; an existing one is never replaced.
+    matches
+        Results to be judged; every distinct match is asked once.
+    name
+        Name of the study; that of the file if left out.
+    question
+        The question that volunteers are asked.
+    """
+    runs = [read_matches(path, set_name) for path in matches or ()]
+    with create_study(file, name=name or file.stem, question=question) as handle:
+        for run in runs:
+            add_run(handle, run)
+    print(f"{file}: {len({p.item.id for run in runs for p in run.proposals})} matches of {len(runs)} results.")
+
+
+@app.command
+def add(file: Path, matches: list[Path], /, *, set_name: SetName = "") -> None:
+    """Add results in MATCHES (files matches.json) to the study FILE; votes already given stay.
+
+    Parameters
+    ----------
+    file
+        The study file.
+    matches
+        Results to add; what is known already is not added twice.
+    """
+    runs = [read_matches(path, set_name) for path in matches]
+    with open_study(file) as handle:
+        for run in runs:
+            add_run(handle, run)
+    print(f"{file}: {len(runs)} results added.")
+
+
+@app.command
+def table(file: Path, /, *, format: TableFormat = "text", out: Out = None) -> None:
+    """Print the precision of each method and set by majority votes.
+
+    Parameters
+    ----------
+    file
+        The study file.
+    format
+        How to write the table.
+    """
+    with open_study(file, backup=False) as handle:
+        _give(render(precision_table(handle), ballots(handle), format), out)
+
+
+@app.command
+def votes(file: Path, /, *, out: Out = None) -> None:
+    """Export every vote as CSV, with its state: current, replaced or retracted.
+
+    Parameters
+    ----------
+    file
+        The study file.
+    """
+    with open_study(file, backup=False) as handle:
+        _give(votes_csv(handle), out)
+
+
+@app.command
+def vote(file: Path, /, *, volunteer: str, item: str, answer: Answer, comment: str = "") -> None:
+    """Record one vote.
+
+    Parameters
+    ----------
+    file
+        The study file.
+    volunteer
+        Code of who votes: 1 to 40 letters, digits, - and _.
+    item
+        Id of the match.
+    answer
+        The answer.
+    comment
+        Anything to remember.
+    """
+    with open_study(file) as handle:
+        record_vote(handle, item, volunteer, answer, comment=comment)
+    print("Saved.")
+
+
+@app.command
+def merge(into: Path, source: Path, /, *, another_study: bool = False) -> None:
+    """Take the votes and results of one study file into another; merging twice changes nothing.
+
+    Parameters
+    ----------
+    into
+        The study file that receives.
+    source
+        The study file taken from; it is not changed.
+    another_study
+        Merge although the two files were created as different studies.
+    """
+    new = merge_files(into, source, other_study=another_study)
+    print(f"{into}: {new.events} votes and undos, {new.items} matches, {new.runs} results are new.")
+
+
+def _give(text: str, out: Path | None) -> None:
+    if out is None:
+        sys.stdout.write(text)
+    else:
+        write_atomically(out, text)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line: 0 when done, 2 with one sentence where the input is at fault."""
+    try:
+        app(argv, exit_on_error=False, print_error=False)
+    except (ConcordError, CycloptsError) as error:
+        print(error, file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,81 @@
+"""Reading `matches.json` (schema concord.matches/1) as a run of a study."""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from engine.errors import BadInput
+
+from .proposals import distinct, shape_item
+from .records import Proposal, Run
+
+Label = Annotated[int, Field(strict=True)] | Annotated[str, Field(strict=True)]
+Count = Annotated[int, Field(ge=0)]
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
+
+
+class _Shape(_Model):
+    file: str
+    sha256: Annotated[str, Field(min_length=1)]
+    segments: tuple[Label, ...]
+    faces: Count
+
+
+class _Match(_Model):
+    id: Annotated[str, Field(min_length=1)]
+    source: Annotated[tuple[Label, ...], Field(min_length=1)]
+    target: Annotated[tuple[Label, ...], Field(min_length=1)]
+    score: float
+    votes: Count
+    similarity: float | None = None
+    source_layer: Count
+    target_layer: Count
+
+
+class _MatchesFile(_Model):
+    schema_: Annotated[Literal["concord.matches/1"], Field(alias="schema")]
+    source: _Shape
+    target: _Shape
+    method: str
+    preset: str = ""
+    parameters: dict[str, Any]
+    matches: tuple[_Match, ...]
+    seconds: dict[str, float] = {}
+
+
+def read_matches(path: Path | str, set_name: str = "") -> Run:
+    """The run that a file of matches holds; raises `BadInput` in one sentence for anything else."""
+    try:
+        read = _MatchesFile.model_validate_json(Path(path).read_bytes())
+    except OSError as error:
+        raise BadInput(f"{path} cannot be read ({error.strerror}); give a matches.json file.") from None
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_context=False)[0]
+        where = ".".join(str(part) for part in first["loc"]) or "the file"
+        raise BadInput(f"{path} is no file of matches ({where}: {first['msg']}); write it anew.") from None
+    for match in read.matches:
+        if unknown := [*_missing(match.source, read.source), *_missing(match.target, read.target)]:
+            raise BadInput(f"{path} names segment {unknown[0]!r}, which its shapes do not have; write it anew.")
+    proposals = (
+        Proposal(
+            shape_item(match.id, _side(read.source, match.source), _side(read.target, match.target)),
+            match.score, match.votes, match.similarity, match.source_layer, match.target_layer,
+        )
+        for match in read.matches
+    )  # fmt: skip
+    return Run(
+        "shape", read.method, read.preset, read.parameters, set_name, read.source.model_dump(mode="json"),
+        read.target.model_dump(mode="json"), read.seconds, distinct(proposals),
+    )  # fmt: skip
+
+
+def _side(shape: _Shape, segments: tuple[int | str, ...]) -> dict[str, Any]:
+    return {"file": shape.file, "sha256": shape.sha256, "segments": list(segments)}
+
+
+def _missing(segments: tuple[int | str, ...], shape: _Shape) -> list[int | str]:
+    return [label for label in segments if label not in shape.segments]

@@ -76,7 +76,7 @@ def _mark_file() -> Path | None:
 
 def _driver_files() -> list[str]:
     """Names and times of the OpenGL libraries, where they lie in the usual folders."""
-    folders = (Path("/usr/lib/x86_64-linux-gnu"), Path("/usr/lib/aarch64-linux-gnu"), Path("/usr/lib64"), Path("/usr/lib"))
-    found = [f for folder in folders for name in ("libGL.so.1", "libEGL.so.1", "libOSMesa.so.8")
-             if (f := folder / name).exists()]  # fmt: skip
+    folders = ("/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib64", "/usr/lib")
+    names = ("libGL.so.1", "libEGL.so.1", "libOSMesa.so.8")
+    found = [f for folder in folders for name in names if (f := Path(folder) / name).exists()]
     return [f"{f}:{f.stat().st_mtime_ns}" for f in found]

@@ -27,11 +27,17 @@ def look_from(direction: Iterable[float], distance: float, up: Iterable[float] =
     return Camera(towards * distance, np.zeros(3), np.asarray(tuple(up), float))
 
 
-def fitting_distance(scene: Scene, aspect: float) -> float:
-    """How far away the whole shape fits into a picture of this aspect (width / height), however it is turned."""
-    radius = float(np.linalg.norm(scene.points[np.unique(scene.faces)], axis=1).max())
-    half = np.radians(VIEW_ANGLE / 2)
-    return 1.08 * radius / np.sin(np.arctan(np.tan(half) * min(1.0, aspect)))
+def fitting_distance(scene: Scene, towards: np.ndarray, aspect: float) -> float:
+    """How far away in a direction (3,) the shape fills a picture of this aspect (width / height) with some margin.
+
+    It is at least so far that a shape turned to its longest side is cut off a little, not by half.
+    """
+    frame = np.stack(_frame(towards))
+    x, y, z = (scene.samples @ frame.T).T
+    slope = np.tan(np.radians(VIEW_ANGLE / 2))
+    fits = max((np.abs(y) / slope + z).max(), (np.abs(x) / (slope * aspect) + z).max())
+    radius = float(np.linalg.norm(scene.samples, axis=1).max())
+    return max(1.16 * float(fits), 0.9 * radius / np.sin(np.arctan(slope * min(1.0, aspect))))
 
 
 def between(start: Camera, end: Camera, share: float) -> Camera:

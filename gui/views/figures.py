@@ -23,7 +23,7 @@ def save_figure(path: Path | str, size: tuple[int, int], paint: Paint, paper: st
     """
     kind = Path(path).suffix.lower()
     if kind not in KINDS:
-        raise BadInput(f"{Path(path).name} is no kind of figure that can be written; end the name in .png, .svg or .pdf.")
+        raise BadInput(f"{Path(path).name} is no figure that can be written; end the name in .png, .svg or .pdf.")
     if kind == ".png":
         data = png_bytes(size, paint, paper)
     else:

@@ -218,7 +218,9 @@ class MeshPairView(QWidget):
             painter.drawRect(self.rect().adjusted(1, 1, -2, -2))
         painter.end()
 
-    def paint_figure(self, painter: QPainter, size: tuple[int, int], scale: float = 2.0, transparent: bool = False) -> None:
+    def paint_figure(
+        self, painter: QPainter, size: tuple[int, int], scale: float = 2.0, transparent: bool = False
+    ) -> None:
         """Draw what is shown at another size in logical pixels, the shapes with `scale` pixels each."""
         if not self._shown:
             paint_message(painter, QRectF(0, 0, *size), self._message, self._theme)

@@ -16,7 +16,7 @@ _SYMBOL = 8.0
 
 
 def paint_links(
-    painter: QPainter, shapes: Sequence[LinkShape], theme: Theme, selected: str | None = None, hovered: str | None = None
+    painter: QPainter, shapes: Sequence[LinkShape], theme: Theme, selected: str | None, hovered: str | None = None
 ) -> None:
     """Draw all links: polygons below lines, the hovered and the selected one on top."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -108,6 +108,7 @@ def paint_caption(painter: QPainter, box: QRectF, name: str, note: str, theme: T
     """The name of a shape with a soft note behind it, at the top of its half."""
     font = QFont(painter.font())
     font.setPixelSize(14)
+    font.setWeight(QFont.Weight.Normal)
     strong = QFont(font)
     strong.setWeight(QFont.Weight.DemiBold)
     painter.setFont(strong)

@@ -9,7 +9,7 @@ from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor, QPainter
 
 from ..palette import Theme, rgb, segment_colours
-from .cameras import Camera, best_direction, candidate_directions, fitting_distance, look_from, view_scores
+from .cameras import Camera, candidate_directions, fitting_distance, look_from, view_scores
 from .links import LinkShape, lay_out
 from .painting import paint_caption, paint_links
 from .pane import Pane
@@ -40,7 +40,8 @@ class PairDrawing:
         self._highlight, self._base = ((), ()), [None, None]
         for pane, scene in zip(self.panes, (source, target), strict=True):
             pane.set_scene(scene)
-            pane.camera = pane.home(aspect)
+        for pane, camera in zip(self.panes, self.home(aspect), strict=True):
+            pane.camera = camera
         self._recolour()
 
     def set_theme(self, theme: Theme) -> None:
@@ -55,9 +56,7 @@ class PairDrawing:
         self._base = [source, target]
         self._recolour()
 
-    def set_highlight(
-        self, source: Sequence[int], target: Sequence[int], colour: np.ndarray | None = None
-    ) -> None:  # fmt: skip
+    def set_highlight(self, source: Sequence[int], target: Sequence[int], colour: np.ndarray | None = None) -> None:
         """Show two unions in one colour (the first source segment's if None) and fade the rest; nothing if empty."""
         self._highlight, self._strong = (tuple(source), tuple(target)), colour
         self._recolour()
@@ -83,23 +82,24 @@ class PairDrawing:
     # --- cameras
 
     def home(self, aspect: float) -> tuple[Camera, Camera]:
-        """The usual views of both shapes."""
-        return self.panes[0].home(aspect), self.panes[1].home(aspect)
+        """The usual views of both shapes, at the same scale."""
+        return self._cameras([candidate_directions()[0]] * 2, aspect)
 
     def views_of(
         self, source: Sequence[int], target: Sequence[int], aspect: float, together: bool = False
     ) -> tuple[Camera, Camera]:
         """The views in which the given segments are best seen; one common direction if `together`."""
-        wanted = (source, target)
-        scenes = [pane.scene for pane in self.panes]
+        candidates = candidate_directions()
+        wanted = zip(self.panes, (source, target), strict=True)
+        scores = [view_scores(pane.scene, segments, candidates) for pane, segments in wanted]
         if together:
-            candidates = candidate_directions()
-            total = sum(view_scores(s, w, candidates) for s, w in zip(scenes, wanted, strict=True))
-            directions = [candidates[int(np.argmax(total))]] * 2
-        else:
-            directions = [best_direction(s, w) for s, w in zip(scenes, wanted, strict=True)]
-        first, second = (look_from(d, fitting_distance(s, aspect)) for s, d in zip(scenes, directions, strict=True))
-        return first, second
+            scores = [scores[0] + scores[1]] * 2
+        return self._cameras([candidates[int(np.argmax(score))] for score in scores], aspect)
+
+    def _cameras(self, directions: Sequence[np.ndarray], aspect: float) -> tuple[Camera, Camera]:
+        pairs = zip(self.panes, directions, strict=True)
+        distance = max(fitting_distance(pane.scene, towards, aspect) for pane, towards in pairs)
+        return look_from(directions[0], distance), look_from(directions[1], distance)
 
     # --- the picture
 
@@ -107,8 +107,8 @@ class PairDrawing:
         """The links as they lie in the picture of this size, in logical pixels."""
         places = []
         for side, pane in enumerate(self.panes):
-            xy, _ = pane.project(pane.scene.anchors)
-            places += [xy / scale + [side * _half(width), 0.0], pane.visible(pane.scene.anchors)]
+            xy, seen = pane.spots()
+            places += [xy / scale + [side * _half(width), 0.0], seen]
         return lay_out(self.links, *places)
 
     def paint(self, painter: QPainter, width: int, height: int, scale: float, moving: bool = False) -> list[LinkShape]:

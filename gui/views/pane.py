@@ -20,7 +20,7 @@ from vtkmodules.vtkRenderingCore import (
 from vtkmodules.vtkRenderingUI import vtkGenericRenderWindowInteractor
 
 from ..palette import Theme, rgb
-from .cameras import VIEW_ANGLE, Camera, candidate_directions, fitting_distance, look_from
+from .cameras import VIEW_ANGLE, Camera
 from .scene import Scene, borders, colour_groups
 
 _HIDDEN_BY = 0.02
@@ -138,6 +138,17 @@ class Pane:
         xy = (ndc[:, :2] * [1, -1] + 1) / 2 * np.array(self._size)
         return xy, (ndc[:, 2] + 1) / 2
 
+    def spots(self) -> tuple[np.ndarray, np.ndarray]:
+        """Where links to each segment end: (s, 2) device pixels, and whether that is seen, (s,) bool.
+
+        It is the first of the segment's spots that nothing hides, or the middle where all are hidden.
+        """
+        assert self.scene is not None
+        places = self.scene.spots
+        seen = self.visible(places.reshape(-1, 3)).reshape(places.shape[:2])
+        chosen = places[np.arange(len(places)), np.argmax(seen, axis=1)]
+        return self.project(chosen)[0], seen.any(axis=1)
+
     def visible(self, points: np.ndarray) -> np.ndarray:
         """Which points (q, 3) of the surface are seen, (q,) bool, by the depth of the last picture."""
         xy, z = self.project(points)
@@ -175,11 +186,6 @@ class Pane:
         c.SetFocalPoint(*camera.focal)
         c.SetViewUp(*camera.up)
         self._dirty = True
-
-    def home(self, aspect: float) -> Camera:
-        """The usual view of the whole shape in a pane of this width / height."""
-        assert self.scene is not None
-        return look_from(candidate_directions()[0], fitting_distance(self.scene, aspect))
 
     def mouse(self, event: str, x: float, y: float, shift: bool = False) -> None:
         """Hand on an event of VTK's trackball, for instance 'LeftButtonPressEvent'."""
@@ -232,8 +238,8 @@ def _actor(data: vtkPolyData) -> vtkActor:
     mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-2.0, -4.0)
     actor.SetMapper(mapper)
     look = actor.GetProperty()
-    look.SetAmbient(0.32)
-    look.SetDiffuse(0.72)
+    look.SetAmbient(0.38)
+    look.SetDiffuse(0.74)
     look.SetSpecular(0.06)
     look.SetSpecularPower(20)
     return actor

@@ -33,8 +33,9 @@ class Scene:
     """A shape made ready to be drawn, in the unit box around the origin.
 
     `points` (n, 3) and `faces` (m, 3); `labels` (m,) in 0..s-1; `area` (m,) and `centroid` (m, 3) of the faces;
-    `anchors` (s, 3) a surface point for each segment; `edges` (e, 2) vertices and `sides` (e, 2) the two faces of each
-    inner edge; `samples` (q, 3) surface points spread by area, with the segment of each in `sample_labels` (q,).
+    `spots` (s, k, 3) surface points of each segment where a link may end, the middle first; `edges` (e, 2) vertices
+    and `sides` (e, 2) the two faces of each inner edge; `samples` (q, 3) surface points spread by area, with the
+    segment of each in `sample_labels` (q,).
     """
 
     name: str
@@ -44,7 +45,7 @@ class Scene:
     names: tuple[int | str, ...]
     area: np.ndarray
     centroid: np.ndarray
-    anchors: np.ndarray
+    spots: np.ndarray
     edges: np.ndarray
     sides: np.ndarray
     samples: np.ndarray
@@ -67,7 +68,7 @@ def prepare(shape: SegmentedShape) -> Scene:
     chosen = spread_samples(area, 12_000)
     return Scene(
         name=shape.mesh.name, points=points, faces=faces, labels=labels, names=shape.segmentation.names, area=area,
-        centroid=centroid, anchors=anchors(centroid, area, labels, shape.segmentation.count), edges=edges, sides=sides,
+        centroid=centroid, spots=spots(centroid, area, labels, shape.segmentation.count), edges=edges, sides=sides,
         samples=inside(corners[chosen]), sample_labels=labels[chosen],
     )  # fmt: skip
 
@@ -90,10 +91,25 @@ def anchors(centroid: np.ndarray, area: np.ndarray, labels: np.ndarray, count: i
     return centroid[order[first]]
 
 
-def node_anchor(scene: Scene, segments: Iterable[int]) -> np.ndarray:
-    """The anchor (3,) of a union of segments."""
-    inside = np.isin(scene.labels, list(segments))
-    return anchors(scene.centroid[inside], scene.area[inside], np.zeros(inside.sum(), np.int64), 1)[0]
+def spots(centroid: np.ndarray, area: np.ndarray, labels: np.ndarray, count: int, most: int = 7) -> np.ndarray:
+    """Places (s, most, 3) on each segment where a link may end: the anchor, then others far apart, nearest first."""
+    order = np.argsort(labels, kind="stable")
+    parts = np.split(order, np.cumsum(np.bincount(labels, minlength=count))[:-1])
+    middle = anchors(centroid, area, labels, count)
+    return np.array(
+        [_far_apart(a, centroid[p[:: len(p) // 400 + 1]], most) for a, p in zip(middle, parts, strict=True)]
+    )
+
+
+def _far_apart(first: np.ndarray, points: np.ndarray, most: int) -> np.ndarray:
+    """The first point and up to most - 1 others (repeated if there are fewer), each furthest from those before it."""
+    away = np.linalg.norm(points - first, axis=1)
+    distance, chosen = away.copy(), []
+    for _ in range(most - 1):
+        chosen.append(int(np.argmax(distance)))
+        distance = np.minimum(distance, np.linalg.norm(points - points[chosen[-1]], axis=1))
+    chosen.sort(key=lambda row: away[row])
+    return np.concatenate([first[None], points[chosen]])
 
 
 def inner_edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

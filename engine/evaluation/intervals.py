@@ -80,4 +80,5 @@ def wilson(k: int, n: int, confidence: float = 0.95) -> Interval:
     p = k / n
     centre, reach = p + z * z / (2 * n), z * np.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
     scale = 1 + z * z / n
-    return Interval(max(0.0, float((centre - reach) / scale)), min(1.0, float((centre + reach) / scale)), "Wilson")
+    low, high = float((centre - reach) / scale), float((centre + reach) / scale)
+    return Interval(low if k > 0 else 0.0, high if k < n else 1.0, "Wilson")

@@ -1,0 +1,75 @@
+"""Intervals of shares in clusters: hand values, another implementation, coverage."""
+
+import numpy as np
+import pytest
+
+from engine.errors import BadInput, BadParameter
+from engine.evaluation.intervals import Interval, clopper_pearson, cluster_robust, clustered_interval, wilson
+
+
+def test_wilson_of_a_hand_value() -> None:
+    low, high, _ = wilson(8, 10)
+    assert (low, high) == pytest.approx((0.4902, 0.9433), abs=1e-4)
+    assert wilson(0, 10).low == 0
+    assert wilson(10, 10).high == 1
+
+
+def test_clopper_pearson_of_a_hand_value() -> None:
+    """All of n right: the lower bound is (alpha/2)^(1/n); as many clusters as trials lower nothing."""
+    assert clopper_pearson(10, 10, 10)[:2] == pytest.approx((0.025 ** (1 / 10), 1.0))
+    assert clopper_pearson(0, 10, 10)[:2] == pytest.approx((0.0, 1 - 0.025 ** (1 / 10)))
+
+
+def test_fewer_clusters_give_a_wider_interval_at_full_score() -> None:
+    lows = [clustered_interval([60 // g] * g, [60 // g] * g).low for g in (2, 3, 6, 20, 60)]
+    assert lows == sorted(lows)
+    assert lows[0] < 0.2 < lows[-1]
+
+
+def test_cluster_robust_equals_statsmodels() -> None:
+    sm = pytest.importorskip("statsmodels.api")
+    k, n = np.array([3, 10, 0, 7, 5]), np.array([4, 11, 3, 9, 5])
+    fit = sm.GLM(np.column_stack([k, n - k]), np.ones((5, 1)), family=sm.families.Binomial()).fit(
+        cov_type="cluster", cov_kwds={"groups": np.arange(5)}, use_t=True
+    )
+    expected = 1 / (1 + np.exp(-fit.conf_int()[0]))
+    assert cluster_robust(k, n)[:2] == pytest.approx(tuple(expected), abs=1e-9)
+
+
+def test_the_way_is_named() -> None:
+    assert clustered_interval([], []) is None
+    assert clustered_interval([0, 0], [0, 0]) is None
+    assert clustered_interval([3, 0], [4, 0]) == Interval(*wilson(3, 4)[:2], "Wilson, one pair only")
+    assert clustered_interval([2, 4], [4, 8]) == Interval(*wilson(6, 12)[:2], "Wilson, equal pairs")
+    assert clustered_interval([4, 8], [4, 8]).method == "Clopper-Pearson, adjusted n"
+    assert clustered_interval([3, 8], [4, 8]).method == "cluster-robust GLM, t"
+
+
+def test_right_and_wrong_exchanged_mirror_the_interval() -> None:
+    k, n = np.array([3, 10, 0, 7]), np.array([4, 11, 3, 9])
+    there, back = clustered_interval(k, n), clustered_interval(n - k, n)
+    assert (there.low, there.high) == pytest.approx((1 - back.high, 1 - back.low))
+    assert clustered_interval(k[::-1], n[::-1])[:2] == pytest.approx(there[:2])
+
+
+def test_counts_that_cannot_be_are_refused() -> None:
+    with pytest.raises(BadParameter):
+        clustered_interval([5], [4])
+    with pytest.raises(BadParameter):
+        clustered_interval([-1], [4])
+    with pytest.raises(BadInput):
+        clustered_interval([1, 2], [4])
+    with pytest.raises(BadParameter):
+        clustered_interval([1, 2], [4, 4], confidence=95)
+
+
+@pytest.mark.parametrize("clusters", [5, 15, 60])
+def test_coverage_where_pairs_differ_in_difficulty(clusters: int) -> None:
+    """Shares drawn per pair (beta, mean .8, intraclass correlation .2): 95 % intervals hold the mean as promised."""
+    rng = np.random.default_rng(clusters)
+    held = 0
+    for _ in range(1500):
+        n = rng.integers(3, 15, clusters)
+        low, high, _ = clustered_interval(rng.binomial(n, rng.beta(3.2, 0.8, clusters)), n)
+        held += low <= 0.8 <= high
+    assert 0.92 < held / 1500 < 0.995

@@ -28,6 +28,7 @@ LABELS: dict[str, tuple[str, ...]] = {
     "aeroplanes": aeroplanes.LABELS,
     "animals": animals.LABELS,
 }
+DIGITS = 6  # coordinates are the same in memory and in the file
 VARIANTS = ("touching", "welded")
 POSES = ("upright", "turned")
 TOUCHING_FACES = 4000
@@ -69,6 +70,7 @@ def make_shape(family: str, seed: int, *, variant: str = "touching", pose: str =
     label = np.array([LABELS[family].index(solid.name) for solid in solids])[part]
     if pose == "turned":
         vertices = vertices @ turn.T
+    vertices = np.round(vertices, DIGITS)
     return GeneratedShape(Mesh(vertices, faces, f"{family} {seed}"), label, LABELS[family], part)
 
 

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-from cyclopts import App, CycloptsError, Parameter
+from cyclopts import App, Parameter
 
-from engine.errors import ConcordError
+from engine.cli import run
 from engine.store import write_atomically
 
 from .exchange import merge as merge_files
@@ -154,12 +154,7 @@ def _give(text: str, out: Path | None) -> None:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line: 0 when done, 2 with one sentence where the input is at fault."""
-    try:
-        app(argv, exit_on_error=False, print_error=False)
-    except (ConcordError, CycloptsError) as error:
-        print(error, file=sys.stderr)
-        return 2
-    return 0
+    return run(app, argv)
 
 
 if __name__ == "__main__":

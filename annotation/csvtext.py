@@ -4,18 +4,13 @@ import csv
 import io
 from collections.abc import Iterable, Sequence
 
-
-def safe_cell(value: object) -> object:
-    """Text that starts with = + - @ (or a tab or return) gets a leading apostrophe; None is an empty cell."""
-    if isinstance(value, str) and value[:1] in ("=", "+", "-", "@", "\t", "\r"):
-        return "'" + value
-    return "" if value is None else value
+from engine.matchfile import safe_cell
 
 
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """A header and rows as CSV with safe cells."""
+    """A header and rows as CSV with safe cells; None is an empty one."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(header)
-    writer.writerows([safe_cell(value) for value in row] for row in rows)
+    writer.writerows([safe_cell(value) if isinstance(value, str) else value for value in row] for row in rows)
     return out.getvalue()

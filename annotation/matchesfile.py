@@ -1,5 +1,6 @@
-"""Reading `matches.json` (schema concord.matches/1) as a run of a study."""
+"""Matches in the format of `matches.json` (schema concord.matches/1) as a run of a study."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -21,7 +22,7 @@ class _Model(BaseModel):
 class _Shape(_Model):
     file: str
     sha256: Annotated[str, Field(min_length=1)]
-    segments: tuple[Label, ...]
+    segments: Count
     faces: Count
 
 
@@ -31,7 +32,6 @@ class _Match(_Model):
     target: Annotated[tuple[Label, ...], Field(min_length=1)]
     score: float
     votes: Count
-    similarity: float | None = None
     source_layer: Count
     target_layer: Count
 
@@ -50,32 +50,33 @@ class _MatchesFile(_Model):
 def read_matches(path: Path | str, set_name: str = "") -> Run:
     """The run that a file of matches holds; raises `BadInput` in one sentence for anything else."""
     try:
-        read = _MatchesFile.model_validate_json(Path(path).read_bytes())
+        return _run(_MatchesFile.model_validate_json(Path(path).read_bytes()), set_name)
     except OSError as error:
         raise BadInput(f"{path} cannot be read ({error.strerror}); give a matches.json file.") from None
     except ValidationError as error:
         first = error.errors(include_url=False, include_context=False)[0]
         where = ".".join(str(part) for part in first["loc"]) or "the file"
         raise BadInput(f"{path} is no file of matches ({where}: {first['msg']}); write it anew.") from None
-    for match in read.matches:
-        if unknown := [*_missing(match.source, read.source), *_missing(match.target, read.target)]:
-            raise BadInput(f"{path} names segment {unknown[0]!r}, which its shapes do not have; write it anew.")
+
+
+def run_of_json(content: Mapping[str, Any], set_name: str = "") -> Run:
+    """The run that the content of such a file, just made, stands for."""
+    return _run(_MatchesFile.model_validate(content), set_name)
+
+
+def _run(read: _MatchesFile, set_name: str) -> Run:
     proposals = (
         Proposal(
             shape_item(match.id, _side(read.source, match.source), _side(read.target, match.target)),
-            match.score, match.votes, match.similarity, match.source_layer, match.target_layer,
+            match.score, match.votes, match.source_layer, match.target_layer,
         )
         for match in read.matches
     )  # fmt: skip
     return Run(
-        "shape", read.method, read.preset, read.parameters, set_name, read.source.model_dump(mode="json"),
-        read.target.model_dump(mode="json"), read.seconds, distinct(proposals),
+        "shape", read.method, read.preset, read.parameters, set_name, read.source.model_dump(),
+        read.target.model_dump(), read.seconds, distinct(proposals),
     )  # fmt: skip
 
 
 def _side(shape: _Shape, segments: tuple[int | str, ...]) -> dict[str, Any]:
     return {"file": shape.file, "sha256": shape.sha256, "segments": list(segments)}
-
-
-def _missing(segments: tuple[int | str, ...], shape: _Shape) -> list[int | str]:
-    return [label for label in segments if label not in shape.segments]

@@ -15,7 +15,7 @@ from .records import Item, Proposal, Run
 from .stamps import app_version, now
 
 if TYPE_CHECKING:
-    from engine.shapes.result import MatchResult, ShapeRecord
+    from engine.shapes.result import MatchResult
 
 
 def add_items(handle: StudyFile, items: Iterable[Item]) -> int:
@@ -38,7 +38,7 @@ def add_run(handle: StudyFile, run: Run) -> str:
         connection.execute(insert(schema.run).values(_run_row(found, run)))
         rows = [
             {"run_id": found, "item_id": p.item.id, "rank": rank, "score": p.score, "votes": p.votes,
-             "similarity": p.similarity, "source_layer": p.source_layer, "target_layer": p.target_layer}
+             "source_layer": p.source_layer, "target_layer": p.target_layer}
             for rank, p in enumerate(run.proposals, start=1)
         ]  # fmt: skip
         if rows:
@@ -48,23 +48,11 @@ def add_run(handle: StudyFile, run: Run) -> str:
 
 def add_result(handle: StudyFile, result: "MatchResult", *, set_name: str = "") -> str:
     """Register a result of shape matching (see `add_run`); `set_name` names its row group in the precision table."""
-    return add_run(handle, run_of_result(result, set_name))
+    from engine.matchfile import result_to_json
 
+    from .matchesfile import run_of_json
 
-def run_of_result(result: "MatchResult", set_name: str = "") -> Run:
-    """A result of shape matching as a run."""
-    source, target = _record(result.source), _record(result.target)
-    proposals = (
-        Proposal(
-            shape_item(match.id, _side(source, match.source), _side(target, match.target)),
-            match.score, match.votes, match.similarity, match.source_layer, match.target_layer,
-        )
-        for match in result.matches()
-    )  # fmt: skip
-    return Run(
-        "shape", result.method, result.preset, result.parameters.model_dump(mode="json"), set_name,
-        source, target, dict(result.seconds), distinct(proposals),
-    )  # fmt: skip
+    return add_run(handle, run_of_json(result_to_json(result), set_name))
 
 
 def shape_item(match_id: str, source: Mapping[str, Any], target: Mapping[str, Any]) -> Item:
@@ -100,16 +88,6 @@ def canonical(value: Any) -> str:
 
 def _hash(value: Any) -> str:
     return hashlib.sha256(canonical(value).encode()).hexdigest()
-
-
-def _record(record: "ShapeRecord") -> dict[str, Any]:
-    segments = [name if isinstance(name, str) else int(name) for name in record.segments]
-    return {"file": record.file, "sha256": record.sha256, "segments": segments, "faces": int(record.faces)}
-
-
-def _side(record: Mapping[str, Any], segments: Iterable[int]) -> dict[str, Any]:
-    labels = [record["segments"][index] for index in segments]
-    return {"file": record["file"], "sha256": record["sha256"], "segments": labels}
 
 
 def _add_items(connection: Connection, items: Iterable[Item]) -> int:

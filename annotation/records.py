@@ -69,7 +69,6 @@ class Proposal:
     item: Item
     score: float
     votes: int
-    similarity: float | None = None
     source_layer: int | None = None
     target_layer: int | None = None
 
@@ -78,7 +77,7 @@ class Proposal:
 class Run:
     """One method with one set of parameters on one pair, and its distinct proposals, best first.
 
-    `source` and `target` are `{"file", "sha256", "segments": [label, ...], "faces"}`.
+    `source` and `target` are `{"file", "sha256", "segments", "faces"}`, the last two being numbers.
     """
 
     kind: Kind

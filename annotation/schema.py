@@ -57,8 +57,7 @@ run_match = Table(
     _text("run_id", ForeignKey("run.id"), primary_key=True),
     _text("item_id", ForeignKey("item.id"), primary_key=True),
     Column("rank", Integer, nullable=False), Column("score", REAL, nullable=False),
-    Column("votes", Integer, nullable=False), Column("similarity", REAL),
-    Column("source_layer", Integer), Column("target_layer", Integer),
+    Column("votes", Integer, nullable=False), Column("source_layer", Integer), Column("target_layer", Integer),
     sqlite_strict=True,
 )  # fmt: skip
 

@@ -226,8 +226,8 @@ def test_unknown_answers_and_items_are_refused_and_leave_nothing(handle):
     [
         "UPDATE event SET answer = 'wrong'",
         "DELETE FROM event",
-        "REPLACE INTO event SELECT uuid, kind, item_id, volunteer, round, 'wrong', comment, supersedes, clock, shown_ms,"
-        " active_ms, presentation, app_version, created_at FROM event",
+        "REPLACE INTO event SELECT uuid, kind, item_id, volunteer, round, 'wrong', comment, supersedes, clock,"
+        " shown_ms, active_ms, presentation, app_version, created_at FROM event",
     ],
 )
 def test_the_log_of_votes_cannot_be_changed(handle, statement):
@@ -256,7 +256,7 @@ def test_the_tables_refuse_nonsense(handle, values):
     other.execute("PRAGMA foreign_keys=ON")
     with pytest.raises(sqlite3.IntegrityError):
         other.execute(
-            "INSERT INTO event (uuid, kind, item_id, volunteer, round, answer, comment, supersedes, clock, presentation,"
-            f" app_version, created_at) VALUES ({values.format(item=FOOT)}, '{{}}', '', '')"
+            "INSERT INTO event (uuid, kind, item_id, volunteer, round, answer, comment, supersedes, clock,"
+            f" presentation, app_version, created_at) VALUES ({values.format(item=FOOT)}, '{{}}', '', '')"
         )
     other.close()

@@ -63,14 +63,15 @@ def make_collection(
     count: int = 1,
     seed: int = 0,
     variant: str = "touching",
-    segments: tuple[int, int] = (10, 16),
+    segments: tuple[int, int] | str = (10, 16),
     *,
     pose: str = "turned",
     progress: Progress = silent,
-) -> list[tuple[Path, Path]]:
-    """Write `count` pairs of each family (all where none is named) into OUT/FAMILY; gives the mesh paths of each pair.
+) -> list[Path]:
+    """Write `count` pairs of each family (all where none is named) into OUT/FAMILY; gives the paths of the meshes.
 
-    Pair k of a family has the seed `seed` + k. Raises `BadParameter` before anything is written.
+    Pair k of a family has the seed `seed` + k. `segments` is (low, high) or "LOW-HIGH". Raises `BadParameter` before
+    anything is written.
     """
     chosen = tuple(dict.fromkeys(families)) or tuple(FAMILIES)
     for family in chosen:
@@ -80,15 +81,16 @@ def make_collection(
         raise BadParameter(f"The number of pairs must lie in 1..{MOST_PAIRS}, not {count}.")
     if seed < 0:
         raise BadParameter(f"The seed must be 0 or larger, not {seed}.")
-    check_segments(segments)
+    span = parse_segments(segments) if isinstance(segments, str) else segments
+    check_segments(span)
     folder = output_folder(out)
-    written = []
+    written: list[Path] = []
     for k in range(count * len(chosen)):
         family, number = chosen[k // count], seed + k % count
         progress(k / (count * len(chosen)), f"{family} {number}")
-        pair = make_pair(family, number, variant=variant, segments=segments, pose=pose)
-        written.append(write_pair(folder / family, f"{family}_{number:03d}", pair))
-    progress(1.0, f"{len(written)} pairs")
+        pair = make_pair(family, number, variant=variant, segments=span, pose=pose)
+        written.extend(write_pair(folder / family, f"{family}_{number:03d}", pair))
+    progress(1.0, f"{len(written)} shapes")
     return written
 
 

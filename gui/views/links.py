@@ -11,6 +11,7 @@ from .scene import Link
 
 REACH = 5.0
 SYMBOL_ROOM = 19.0
+_MOST_MARKS = 60
 _ALONG = (0.5, 0.44, 0.56, 0.38, 0.62, 0.32, 0.68, 0.26, 0.74)
 
 
@@ -38,7 +39,7 @@ def lay_out(
 ) -> list[LinkShape]:
     """Place links, given the projected anchors (s, 2), (t, 2) of all segments and which are seen (s,), (t,) bool."""
     shapes: list[LinkShape] = []
-    taken: list[np.ndarray] = []
+    taken: list[tuple[float, float]] = []
     for link in links:
         a, b = list(link.source), list(link.target)
         dots = np.concatenate([source[a], target[b]])
@@ -46,7 +47,7 @@ def lay_out(
         ends = np.stack([source[a].mean(axis=0), target[b].mean(axis=0)])
         symbol = _free_place(ends, taken) if marked(link) else ends.mean(axis=0)
         if marked(link):
-            taken.append(symbol)
+            taken.append((float(symbol[0]), float(symbol[1])))
         hidden = not (seen[: len(a)].any() and seen[len(a) :].any())
         outline = convex_hull(dots) if link.merged else ends
         shapes.append(LinkShape(link, ends, outline, dots, seen, len(a), hidden, symbol))
@@ -58,13 +59,14 @@ def marked(link: Link) -> bool:
     return link.state != "undecided"
 
 
-def _free_place(ends: np.ndarray, taken: Sequence[np.ndarray]) -> np.ndarray:
-    """The place along a link nearest to its middle where its symbol covers no other, or the middle."""
-    places = [(1 - t) * ends[0] + t * ends[1] for t in _ALONG]
-    for place in places:
-        if all(abs(place[0] - o[0]) + abs(place[1] - o[1]) > SYMBOL_ROOM for o in taken):
-            return place
-    return places[0]
+def _free_place(ends: np.ndarray, taken: Sequence[tuple[float, float]]) -> np.ndarray:
+    """The place along a link nearest to its middle where its symbol covers none of the last ones, or the middle."""
+    near = taken[-_MOST_MARKS:]
+    for t in _ALONG:
+        x, y = ((1 - t) * ends[0] + t * ends[1]).tolist()
+        if all(abs(x - u) + abs(y - v) > SYMBOL_ROOM for u, v in near):
+            return np.array([x, y])
+    return ends.mean(axis=0)
 
 
 def convex_hull(points: np.ndarray) -> np.ndarray:

@@ -10,73 +10,106 @@ from PySide6.QtGui import QBrush, QColor, QFont, QPainter, QPainterPath, QPen, Q
 
 from ..palette import Theme, segment_colours
 from .links import LinkShape, marked
+from .scene import Link
 
 _DASHES = {"wrong": [5.0, 3.0], "tie": [1.0, 2.2]}
 _SYMBOL = 8.0
+_FADED = 0.16
 
 
 def paint_links(
-    painter: QPainter, shapes: Sequence[LinkShape], theme: Theme, selected: str | None, hovered: str | None = None
+    painter: QPainter,
+    shapes: Sequence[LinkShape],
+    theme: Theme,
+    selected: str | None = None,
+    hovered: str | None = None,
+    coloured: bool = False,
 ) -> None:
     """Draw all links: polygons below lines, the hovered and the selected one on top."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     rank = {hovered: 2, selected: 3}
     for shape in sorted(shapes, key=lambda s: rank.get(s.link.id, 0 if s.link.merged else 1)):
         chosen = shape.link.id == selected
-        painter.save()
         painter.setOpacity(_strength(shape, selected, hovered))
-        paint_link(painter, shape, theme, selected=chosen, hovered=shape.link.id == hovered)
-        painter.restore()
+        own = coloured and not marked(shape.link)
+        colour = _own(shape) if own else QColor(theme.state(shape.link.state))
+        width = line_width(shape.link, chosen or shape.link.id == hovered, own)
+        paint_link(painter, shape, theme, colour, width, chosen)
+    painter.setOpacity(1.0)
 
 
 def _strength(shape: LinkShape, selected: str | None, hovered: str | None) -> float:
     if shape.link.id in (selected, hovered):
         return 1.0
-    return (0.16 if selected is not None else 1.0) * (0.4 if shape.hidden else 1.0)
+    return (_FADED if selected is not None else 1.0) * (0.4 if shape.hidden else 1.0)
 
 
-def paint_link(painter: QPainter, shape: LinkShape, theme: Theme, *, selected: bool, hovered: bool = False) -> None:
-    """Draw one link: a halo, the line or polygon in the colour and dash of its state, its anchors and its symbol."""
-    colour, width = QColor(theme.state(shape.link.state)), line_width(shape, selected or hovered)
-    outline = _outline(shape)
+def paint_link(painter: QPainter, shape: LinkShape, theme: Theme, colour: QColor, width: float, selected: bool) -> None:
+    """Draw one link: a halo, the line or polygon in its colour and the dash of its state, its anchors and its symbol.
+
+    A link that fades behind the selected one is only a line or polygon.
+    """
+    faded = painter.opacity() <= _FADED
     if shape.link.merged:
-        fill = QColor(*map(int, segment_colours(max(shape.link.source) + 1)[shape.link.source[0]]))
+        fill = _own(shape)
         fill.setAlphaF(0.42 if selected else 0.20)
-        painter.fillPath(outline, fill)
-    painter.setBrush(Qt.BrushStyle.NoBrush)
-    halo = QColor(theme.halo if selected else theme.paper)
-    halo.setAlphaF(0.95 if selected else 0.7)
-    painter.setPen(_pen(halo, width + (6.0 if selected else 2.0)))
-    painter.drawPath(outline)
-    pen = _pen(colour, width)
+        painter.fillPath(_polygon(shape), fill)
+    if selected:
+        glow = QColor(colour)
+        glow.setAlphaF(0.25)
+        _stroke(painter, shape, _pen(glow, width + 12))
+        _stroke(painter, shape, _pen(QColor(theme.halo), width + 4))
+    elif not faded:
+        _stroke(painter, shape, _flat(_pen(QColor(theme.paper), width + 2)))
+    pen = _flat(_pen(colour, width))
     if shape.link.state in _DASHES:
         pen.setDashPattern(_DASHES[shape.link.state])
-        pen.setCapStyle(Qt.PenCapStyle.FlatCap)
-    painter.setPen(pen)
-    painter.drawPath(outline)
+    _stroke(painter, shape, pen)
+    if faded:
+        return
     _paint_dots(painter, shape, theme, colour, selected)
     if marked(shape.link):
         _paint_symbol(painter, shape.link.state, shape.symbol, theme, colour)
 
 
-def line_width(shape: LinkShape, strong: bool) -> float:
-    """Width in pixels: judged links stand out from undecided ones, and a better score is a little thicker."""
+def _stroke(painter: QPainter, shape: LinkShape, pen: QPen) -> None:
+    """Draw the outline; a plain opaque line with flat ends costs Qt an eighth of the same path."""
+    painter.setPen(pen)
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    if len(shape.outline) == 2:
+        (x, y), (u, v) = shape.outline.tolist()
+        painter.drawLine(QPointF(x, y), QPointF(u, v))
+    else:
+        painter.drawPath(_polygon(shape))
+
+
+def _own(shape: LinkShape) -> QColor:
+    """The colour of the first source segment, so that links can be told apart whatever was judged."""
+    first = shape.link.source[0]
+    return QColor(*map(int, segment_colours(first + 1)[first]))
+
+
+def line_width(link: Link, strong: bool, coloured: bool = False) -> float:
+    """Width in pixels: judged links stand out from grey ones, and a better score is a little thicker."""
     if strong:
         return 4.0
-    return (2.2 if marked(shape.link) else 1.3) + 0.7 * float(np.clip(shape.link.score, 0.0, 1.0))
+    return (2.2 if coloured or marked(link) else 1.3) + 0.7 * float(np.clip(link.score, 0.0, 1.0))
 
 
-def _outline(shape: LinkShape) -> QPainterPath:
+def _polygon(shape: LinkShape) -> QPainterPath:
     path = QPainterPath()
-    points = QPolygonF([QPointF(x, y) for x, y in shape.outline.tolist()])
-    path.addPolygon(points)
-    if shape.link.merged and len(points) > 2:
-        path.closeSubpath()
+    path.addPolygon(QPolygonF([QPointF(x, y) for x, y in shape.outline.tolist()]))
+    path.closeSubpath()
     return path
 
 
 def _pen(colour: QColor, width: float) -> QPen:
     return QPen(QBrush(colour), width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap, Qt.PenJoinStyle.RoundJoin)
+
+
+def _flat(pen: QPen) -> QPen:
+    pen.setCapStyle(Qt.PenCapStyle.FlatCap)
+    return pen
 
 
 def _paint_dots(painter: QPainter, shape: LinkShape, theme: Theme, colour: QColor, selected: bool) -> None:

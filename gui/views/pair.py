@@ -19,9 +19,13 @@ _CAPTION = 36
 
 
 class PairDrawing:
-    """The source at the left, the target at the right, links above both. `close` it before its owner goes."""
+    """The source at the left, the target at the right, links above both. `close` it before its owner goes.
 
-    def __init__(self, theme: Theme) -> None:
+    `coloured` gives each link that is not judged the colour of its first source segment instead of grey.
+    """
+
+    def __init__(self, theme: Theme, coloured: bool = False) -> None:
+        self._coloured = coloured
         self.theme = theme
         self.panes = (Pane(theme), Pane(theme))
         self.links: tuple[Link, ...] = ()
@@ -124,7 +128,7 @@ class PairDrawing:
         painter.setPen(QColor(self.theme.line))
         painter.drawLine(round(half), _CAPTION if self.captions else 0, round(half), height)
         shapes = self.shapes(width, height, scale)
-        paint_links(painter, shapes, self.theme, self.selected, self.hovered)
+        paint_links(painter, shapes, self.theme, self.selected, self.hovered, self._coloured)
         if self.captions:
             self._paint_captions(painter, half)
         return shapes

@@ -141,13 +141,14 @@ class Pane:
     def spots(self) -> tuple[np.ndarray, np.ndarray]:
         """Where links to each segment end: (s, 2) device pixels, and whether that is seen, (s,) bool.
 
-        It is the first of the segment's spots that nothing hides, or the middle where all are hidden.
+        It is the most central of the segment's spots that nothing hides (of all, where all are hidden).
         """
         assert self.scene is not None
         places = self.scene.spots
-        seen = self.visible(places.reshape(-1, 3)).reshape(places.shape[:2])
-        chosen = places[np.arange(len(places)), np.argmax(seen, axis=1)]
-        return self.project(chosen)[0], seen.any(axis=1)
+        flat = places.reshape(-1, 3)
+        xy, seen = self.project(flat)[0].reshape(*places.shape[:2], 2), self.visible(flat).reshape(places.shape[:2])
+        chosen = most_central(xy, seen)
+        return xy[np.arange(len(xy)), chosen], seen.any(axis=1)
 
     def visible(self, points: np.ndarray) -> np.ndarray:
         """Which points (q, 3) of the surface are seen, (q,) bool, by the depth of the last picture."""
@@ -215,6 +216,13 @@ class Pane:
     def _distance(self, z: np.ndarray) -> np.ndarray:
         near, far = self.renderer.GetActiveCamera().GetClippingRange()
         return near * far / (far - z * (far - near))
+
+
+def most_central(xy: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    """For each row of places (s, k, 2) the index (s,) of the seen one nearest to the mean of those that are seen."""
+    counted = np.where(seen.any(axis=1, keepdims=True), seen, True)
+    mean = (xy * counted[..., None]).sum(axis=1) / counted.sum(axis=1)[:, None]
+    return np.argmin(np.where(counted, np.linalg.norm(xy - mean[:, None], axis=2), np.inf), axis=1)
 
 
 def _surface(points: np.ndarray, faces: np.ndarray) -> vtkPolyData:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from engine.shapes.multilayer import MultiLayerGraph
+from engine.shapes.result import MatchResult
 from engine.shapes.segmentation import SegmentedShape
 
 STATES = ("undecided", "correct", "wrong", "tie")
@@ -28,12 +29,21 @@ class Link:
     merged: bool = False
 
 
+def links_of(result: MatchResult, states: Mapping[str, str] | None = None) -> list[Link]:
+    """The matches of a result as links, the best last so that it lies on top; `states` gives judgements by id."""
+    judged = states or {}
+    return [
+        Link(m.id, m.source, m.target, judged.get(m.id, "undecided"), m.score, len(m.source) + len(m.target) > 2)
+        for m in reversed(result.matches())
+    ]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
     """A shape made ready to be drawn, in the unit box around the origin.
 
     `points` (n, 3) and `faces` (m, 3); `labels` (m,) in 0..s-1; `area` (m,) and `centroid` (m, 3) of the faces;
-    `spots` (s, k, 3) surface points of each segment where a link may end, the middle first; `edges` (e, 2) vertices
+    `spots` (s, k, 3) surface points of each segment where a link may end, the anchor first; `edges` (e, 2) vertices
     and `sides` (e, 2) the two faces of each inner edge; `samples` (q, 3) surface points spread by area, with the
     segment of each in `sample_labels` (q,).
     """
@@ -91,25 +101,25 @@ def anchors(centroid: np.ndarray, area: np.ndarray, labels: np.ndarray, count: i
     return centroid[order[first]]
 
 
-def spots(centroid: np.ndarray, area: np.ndarray, labels: np.ndarray, count: int, most: int = 7) -> np.ndarray:
-    """Places (s, most, 3) on each segment where a link may end: the anchor, then others far apart, nearest first."""
+def spots(centroid: np.ndarray, area: np.ndarray, labels: np.ndarray, count: int, most: int = 12) -> np.ndarray:
+    """Places (s, most, 3) on each segment where a link may end: the anchor and others."""
     order = np.argsort(labels, kind="stable")
     parts = np.split(order, np.cumsum(np.bincount(labels, minlength=count))[:-1])
     middle = anchors(centroid, area, labels, count)
-    return np.array(
-        [_far_apart(a, centroid[p[:: len(p) // 400 + 1]], most) for a, p in zip(middle, parts, strict=True)]
-    )
+    return np.array([_spread(a, centroid[p[:: len(p) // 400 + 1]], most) for a, p in zip(middle, parts, strict=True)])
 
 
-def _far_apart(first: np.ndarray, points: np.ndarray, most: int) -> np.ndarray:
-    """The first point and up to most - 1 others (repeated if there are fewer), each furthest from those before it."""
-    away = np.linalg.norm(points - first, axis=1)
-    distance, chosen = away.copy(), []
+def _spread(first: np.ndarray, points: np.ndarray, most: int) -> np.ndarray:
+    """The first point and most - 1 others: far from each other, then moved to the middle of what is nearest to them."""
+    chosen = [first]
+    distance = np.linalg.norm(points - first, axis=1)
     for _ in range(most - 1):
-        chosen.append(int(np.argmax(distance)))
-        distance = np.minimum(distance, np.linalg.norm(points - points[chosen[-1]], axis=1))
-    chosen.sort(key=lambda row: away[row])
-    return np.concatenate([first[None], points[chosen]])
+        chosen.append(points[np.argmax(distance)])
+        distance = np.minimum(distance, np.linalg.norm(points - chosen[-1], axis=1))
+    nearest = np.argmin(np.linalg.norm(points[:, None] - np.array(chosen), axis=2), axis=1)
+    centres = [points[nearest == k].mean(axis=0) if (nearest == k).any() else chosen[k] for k in range(1, most)]
+    moved = points[np.argmin(np.linalg.norm(points[:, None] - np.array(centres), axis=2), axis=0)]
+    return np.concatenate([first[None], moved])
 
 
 def inner_edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -132,21 +132,38 @@ def _closest_pairs(points: np.ndarray, owner: np.ndarray, group: np.ndarray) -> 
 
 
 def capped_volumes(shape: SegmentedShape) -> np.ndarray:
-    """Volume of each segment with its openings closed by a fan, (s,) float64 >= 0; 0 for sheets.
+    """Volume of each segment with each of its openings closed by a fan about the opening's middle, (s,) float64 >= 0.
 
-    The fan's apex is the mean of the segment's open boundary (of all its vertices where it is closed); with that
-    apex as origin the caps add nothing to the sum of signed tetrahedra.
+    Zero for flat sheets; exact for convex pieces cut by planes.
     """
-    mesh, labels, count = shape.mesh, shape.segmentation.labels, shape.segmentation.count
-    faces = merged_vertices(mesh)[mesh.faces]
-    half = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
-    owner = np.repeat(labels, 3)
-    key = np.concatenate([owner[:, None], np.sort(half, axis=1)], axis=1)
+    labels, count = shape.segmentation.labels, shape.segmentation.count
+    origin = shape.mesh.vertices[shape.mesh.faces[0, 0]]
+    points = shape.mesh.vertices - origin
+    a, b, c = (points[shape.mesh.faces[:, k]] for k in range(3))
+    volume = np.bincount(labels, np.einsum("nd,nd->n", a, np.cross(b, c)), minlength=count)
+    owner, start, end, loop = _open_edges(shape)
+    if len(owner):
+        size = np.bincount(loop)
+        middle = np.stack([np.bincount(loop, points[start, d]) / size for d in range(3)], axis=1)[loop]
+        volume += np.bincount(owner, np.einsum("nd,nd->n", points[end], np.cross(points[start], middle)), minlength=count)
+    return np.abs(volume) / 6.0
+
+
+def _open_edges(shape: SegmentedShape) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Half edges with no partner in their own segment: segment, first and second vertex, and number of the opening."""
+    mesh = shape.mesh
+    merged = merged_vertices(mesh)
+    half = np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=2).reshape(-1, 2)
+    owner = np.repeat(shape.segmentation.labels, 3)
+    key = np.concatenate([owner[:, None], np.sort(merged[half], axis=1)], axis=1)
     _, inverse, repeats = np.unique(key, axis=0, return_inverse=True, return_counts=True)
-    open_edge = repeats[inverse.ravel()] == 1
-    start = mesh.vertices[mesh.faces.ravel()]  # the first vertex of each half edge, in the order of `half`
-    weight = np.where(open_edge, 1.0, 1e-9)
-    total = np.bincount(owner, weight, minlength=count)
-    apex = np.stack([np.bincount(owner, weight * start[:, d], minlength=count) for d in range(3)], axis=1) / total[:, None]
-    a, b, c = (mesh.vertices[mesh.faces[:, k]] - apex[labels] for k in range(3))
-    return np.abs(np.bincount(labels, np.einsum("nd,nd->n", a, np.cross(b, c)) / 6.0, minlength=count))
+    is_open = repeats[inverse.ravel()] == 1
+    owner, half = owner[is_open], half[is_open]
+    width = int(merged.max()) + 1
+    ends = owner[:, None] * width + merged[half]
+    _, node = np.unique(ends, return_inverse=True)
+    node = node.reshape(-1, 2)
+    total = int(node.max(initial=-1)) + 1
+    graph = coo_array((np.ones(len(node), dtype=bool), (node[:, 0], node[:, 1])), shape=(total, total))
+    loop = connected_components(graph, directed=False)[1][node[:, 0]] if total else np.zeros(0, dtype=np.int64)
+    return owner, half[:, 0], half[:, 1], loop

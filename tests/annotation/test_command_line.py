@@ -1,0 +1,121 @@
+"""`concord study`: what it prints, and one sentence with exit code 2 for whatever cannot be used."""
+
+import csv
+import io
+import json
+
+import pytest
+from judging_world import CANDLE, LAMP, ONE_TO_ONE, VASE, identity, result, study_of
+
+from annotation import study
+from annotation.__main__ import main
+from engine.matchfile import result_to_json, write_matches
+
+FOOT = identity(LAMP, (0,), VASE, (0,))
+
+
+@pytest.fixture
+def matches(tmp_path):
+    write_matches(result(*ONE_TO_ONE), tmp_path)
+    return tmp_path / "matches.json"
+
+
+def run(*arguments: object) -> int:
+    return main([str(argument) for argument in arguments])
+
+
+def fails(capsys, *arguments: object) -> str:
+    """The one sentence of a command that is refused."""
+    assert run(*arguments) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.strip().count("\n") == 0
+    assert said.err.strip()
+    return said.err
+
+
+def test_from_matches_to_a_table(tmp_path, matches, capsys):
+    file = tmp_path / "a.db"
+    (tmp_path / "more").mkdir()
+    write_matches(result(((1,), (2,)), target=CANDLE), tmp_path / "more")
+    assert run("create", file, matches, "--set", "lamps", "--name", "Lamps") == 0
+    assert run("add", file, tmp_path / "more" / "matches.json", "--set", "lamps") == 0
+    for code, answer in (("anna", "correct"), ("bert", "wrong"), ("carl", "correct")):
+        assert run("vote", file, "--volunteer", code, "--item", FOOT, "--answer", answer) == 0
+    capsys.readouterr()
+    assert run("table", file) == 0
+    assert "1 of 4" in capsys.readouterr().out
+    assert run("table", file, "--format", "csv", "--out", tmp_path / "t.csv") == 0
+    (row,) = csv.DictReader((tmp_path / "t.csv").open())
+    assert (row["set"], row["pairs"], row["correct"], row["votes"]) == ("lamps", "2", "1", "3")
+    assert run("votes", file) == 0
+    assert len(list(csv.reader(io.StringIO(capsys.readouterr().out)))) == 4
+
+
+def test_a_file_and_a_result_in_memory_are_the_same_run(tmp_path, matches):
+    with study_of(tmp_path / "b.db", set_name="lamps") as handle:
+        assert run("add", handle.path, matches, "--set", "lamps") == 0
+        with handle.reading() as connection:
+            assert connection.exec_driver_sql("SELECT count(*) FROM run").scalar() == 1
+        assert len(study.items(handle, "anna")) == 3
+
+
+def test_merge(tmp_path, capsys):
+    with study_of(tmp_path / "a.db"):
+        pass
+    (tmp_path / "b.db").write_bytes((tmp_path / "a.db").read_bytes())
+    assert run("vote", tmp_path / "b.db", "--volunteer", "anna", "--item", FOOT, "--answer", "wrong") == 0
+    assert run("merge", tmp_path / "a.db", tmp_path / "b.db") == 0
+    assert "1 votes" in capsys.readouterr().out
+    with study.open_study(tmp_path / "a.db") as handle:
+        assert study.answers(handle, "anna") == {FOOT: "wrong"}
+
+
+def test_bad_arguments(tmp_path, capsys):
+    study_of(tmp_path / "a.db").close()
+    assert "nowhere.db" in fails(capsys, "table", tmp_path / "nowhere.db")
+    assert "bogus" in fails(capsys, "bogus")
+    fails(capsys, "table")
+    fails(capsys, "table", tmp_path / "a.db", "--format", "poem")
+    fails(capsys, "add", tmp_path / "a.db")
+    assert "no item" in fails(capsys, "vote", tmp_path / "a.db", "--volunteer", "a", "--item", "x", "--answer", "wrong")
+    fails(capsys, "vote", tmp_path / "a.db", "--volunteer", "a", "--item", FOOT, "--answer", "yes")
+    assert "code" in fails(capsys, "vote", tmp_path / "a.db", "--volunteer", "a b", "--item", FOOT, "--answer", "wrong")
+    assert "exists already" in fails(capsys, "create", tmp_path / "a.db")
+    assert "cannot be written" in fails(capsys, "table", tmp_path / "a.db", "--out", tmp_path / "no" / "t.csv")
+
+
+def broken(change) -> str:
+    content = json.loads(json.dumps(result_to_json(result(*ONE_TO_ONE))))
+    change(content)
+    return json.dumps(content)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "the file"),
+        ("{", "the file"),
+        ("[]", "the file"),
+        ("{}", "schema"),
+        (broken(lambda c: c.update(schema="concord.matches/2")), "schema"),
+        (broken(lambda c: c["matches"][0].pop("id")), "matches.0.id"),
+        (broken(lambda c: c["matches"][1].update(score="high")), "matches.1.score"),
+        (broken(lambda c: c["matches"][1].update(source=[])), "matches.1.source"),
+        (broken(lambda c: c["target"].update(sha256="")), "target.sha256"),
+        (broken(lambda c: c["matches"][0].update(score=float("nan"))), "matches.0.score"),
+    ],
+)
+def test_bad_files_of_matches_leave_no_study(tmp_path, capsys, matches, text, words):
+    (tmp_path / "bad.json").write_text(text)
+    said = fails(capsys, "create", tmp_path / "a.db", matches, tmp_path / "bad.json")
+    assert "bad.json is no file of matches" in said
+    assert words in said
+    assert not (tmp_path / "a.db").exists()
+
+
+def test_missing_and_binary_files_of_matches(tmp_path, capsys):
+    (tmp_path / "b.json").write_bytes(bytes(range(256)))
+    assert "No such file" in fails(capsys, "create", tmp_path / "a.db", tmp_path / "none.json")
+    assert "b.json" in fails(capsys, "create", tmp_path / "a.db", tmp_path / "b.json")
+    assert not (tmp_path / "a.db").exists()

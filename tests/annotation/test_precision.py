@@ -1,0 +1,124 @@
+"""The precision table, counted by hand on a small world."""
+
+import csv
+import io
+
+import pytest
+from judging_world import CANDLE, LAMP, ONE_TO_ONE, VASE, identity, result, study_of
+
+from annotation import study
+from annotation.precision import ALL_SETS, ballots, precision_table, thesis_average
+from annotation.tabletext import agreement_line, render
+from engine.errors import BadParameter
+from engine.evaluation.intervals import clustered_interval
+
+FOOT, STEM, SHADE = (identity(LAMP, one, VASE, other) for one, other in ONE_TO_ONE)
+
+
+def vote(handle, volunteer, **items):
+    for name, letter in items.items():
+        answer = {"c": "correct", "w": "wrong", "u": "unsure"}[letter]
+        study.record_vote(handle, {"foot": FOOT, "stem": STEM, "shade": SHADE}[name], volunteer, answer)
+
+
+@pytest.fixture
+def judged(tmp_path):
+    """One method on two pairs: lamp-vase has a right, a tied, a wrong match, lamp-candle a right and an unjudged one."""
+    candle = result(((0,), (0,)), ((1,), (1,)), target=CANDLE)
+    with study_of(tmp_path / "a.db", result(*ONE_TO_ONE), candle, set_name="lamps") as handle:
+        vote(handle, "anna", foot="c", stem="c", shade="w")
+        vote(handle, "bert", foot="c", stem="w", shade="u")
+        study.record_vote(handle, identity(LAMP, (0,), CANDLE, (0,)), "anna", "correct")
+        yield handle
+
+
+def test_a_row_by_hand(judged):
+    (row,) = precision_table(judged)
+    assert row[:11] == ("top-down", "top-down", "lamps", 1, 2, 5, 4, 2, 1, 1, 1)
+    assert row.micro == pytest.approx(2 / 3)
+    assert row.macro == pytest.approx((1 / 2 + 1) / 2)
+    assert row.interval == clustered_interval([1, 1], [2, 1])
+    assert (row.bound_low, row.bound_high) == pytest.approx((2 / 5, 4 / 5))
+    assert (row.volunteers, row.votes, row.unsure) == (2, 7, pytest.approx(1 / 7))
+
+
+def test_nothing_judged_is_unknown_not_wrong(tmp_path):
+    with study_of(tmp_path / "a.db") as handle:
+        (row,) = precision_table(handle)
+        text = render(precision_table(handle), ballots(handle))
+    assert (row.micro, row.macro, row.interval, row.unsure) == (None,) * 4
+    assert (row.bound_low, row.bound_high, row.judged, row.matches) == (0.0, 1.0, 0, 3)
+    assert "0 of 3" in text
+    assert "no match has been judged by two volunteers" in text
+
+
+def test_one_vote_serves_both_methods(judged):
+    study.add_result(judged, result(((0,), (0,)), ((0, 1), (0, 1)), preset="thesis-rigid"), set_name="lamps")
+    rows = {row.preset: row for row in precision_table(judged)}
+    assert (rows["thesis-rigid"].correct, rows["thesis-rigid"].matches, rows["thesis-rigid"].pairs) == (1, 2, 1)
+    assert rows["top-down"].matches == 5
+
+
+def test_a_rerun_replaces_its_pair_and_keeps_the_votes(judged):
+    study.add_result(judged, result(((0,), (0,)), ((1, 2), (1, 2)), K=3), set_name="lamps")
+    (row,) = precision_table(judged)
+    assert (row.pairs, row.matches, row.correct, row.wrong, row.unjudged) == (2, 4, 2, 0, 2)
+    assert row.parameter_sets == 2
+    assert "top-down*" in render([row], ballots(judged))
+    backwards = result(*((b, a) for a, b in ONE_TO_ONE), source=VASE, target=LAMP)
+    study.add_result(judged, backwards, set_name="lamps")
+    assert precision_table(judged)[0].matches == 5
+
+
+def test_sets_are_rows_and_their_total_counts_a_pair_once(judged):
+    study.add_result(judged, result(*ONE_TO_ONE), set_name="again")
+    rows = precision_table(judged)
+    assert [row.set_name for row in rows] == ["again", "lamps", ALL_SETS]
+    total = rows[-1]
+    assert (total.pairs, total.matches, total.correct, total.wrong) == (2, 5, 2, 1)
+    assert "As in Tables 3.1/3.2, top-down" in render(rows, ballots(judged))
+
+
+def test_a_pair_without_matches_is_a_pair(judged):
+    study.add_result(judged, result(source=CANDLE, target=VASE), set_name="lamps")
+    assert precision_table(judged)[0].pairs == 3
+
+
+def test_text_and_markdown_have_all_columns(judged):
+    text, markdown = (render(precision_table(judged), ballots(judged), style) for style in ("text", "markdown"))
+    header, rule, row = text.splitlines()[:3]
+    assert header.split()[:3] == ["method", "preset", "set"]
+    assert set(rule) == {"-"}
+    for cell in ("4 of 5", "66.7 %", "75.0 %", "40.0 to 80.0 %", "14.3 %"):
+        assert cell in row
+    lines = [line for line in markdown.splitlines() if line.startswith("|")]
+    assert len(lines) == 3
+    assert len({line.count("|") for line in lines}) == 1
+
+
+def test_csv_has_shares_and_the_kind_of_interval(judged):
+    (row,) = csv.DictReader(io.StringIO(render(precision_table(judged), ballots(judged), "csv")))
+    assert float(row["micro_precision"]) == pytest.approx(2 / 3)
+    assert row["interval_method"] == "cluster-robust GLM, t"
+    assert (row["matches"], row["judged"], row["tie"]) == ("5", "4", "1")
+
+
+def test_agreement_leaves_abstentions_out(judged):
+    """Two items with two decisive votes: foot agrees, stem does not; alpha = 1 - .5 / (6/12) by hand."""
+    line = agreement_line(ballots(judged))
+    assert "2 matches" in line
+    assert "50.0 % raw" in line
+    assert "alpha 0.000" in line
+    vote(judged, "bert", stem="c")
+    assert "not defined" in agreement_line(ballots(judged))
+
+
+def test_thesis_average_by_hand():
+    """Weighted mean (10·80 + 30·90) / 40, plain sample deviation of 80, 90."""
+    mean, spread = thesis_average([80, 90], [10, 30])
+    assert mean == pytest.approx(87.5)
+    assert spread == pytest.approx(50**0.5)
+    assert thesis_average([80, 90], [1, 1])[0] == pytest.approx(85)
+    for bad in (([], []), ([80], [1, 2]), ([80], [0])):
+        with pytest.raises(BadParameter):
+            thesis_average(*bad)

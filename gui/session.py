@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import QObject, Signal
@@ -13,7 +12,6 @@ from engine.shapes.segmentation import SegmentedShape
 
 UNDOABLE = ("source", "target", "set_name", "preset", "parameters", "proposals", "prepared_with", "result")
 LONGEST_HISTORY = 200
-_NONE: Mapping[str, str] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,8 +40,8 @@ class State:
     linked: bool = True
     study: str = ""
     volunteer: str = "me"
-    answers: Mapping[str, str] = _NONE
-    verdicts: Mapping[str, str] = _NONE
+    answers: Mapping[str, str] = field(default_factory=dict)
+    verdicts: Mapping[str, str] = field(default_factory=dict)
     dark: bool = False
 
     def matches(self) -> list[Match]:

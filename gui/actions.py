@@ -1,0 +1,134 @@
+"""Everything that can be done from the keyboard and the menus, in one table."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QActionGroup, QIcon, QKeySequence
+from PySide6.QtWidgets import QMenu
+
+if TYPE_CHECKING:
+    from .main_window import MainWindow
+
+
+class Action(NamedTuple):
+    """One command: the menu it stands in, its text, keys, icon and what it does with the window."""
+
+    id: str
+    menu: str
+    text: str
+    keys: tuple[str, ...]
+    icon: str
+    handler: Callable[["MainWindow"], object]
+    checkable: bool = False
+
+
+MENUS = ("&File", "&Edit", "&View", "&Judge", "&Study", "&Help")
+SEPARATOR_BEFORE = {"export-figure", "quit", "next-match", "next-layer", "link-cameras", "dark", "undo-vote"}
+TABLE = (
+    Action("open", "&File", "&Open two meshes…", ("Ctrl+O",), "mdi6.folder-open-outline", lambda w: w.files.open()),
+    Action("export-figure", "&File", "Export &figure…", ("Ctrl+E",), "mdi6.image-outline", lambda w: w.files.export_figure()),
+    Action("export-result", "&File", "Export &matches…", ("Ctrl+Shift+E",), "mdi6.export", lambda w: w.files.export_result()),
+    Action("quit", "&File", "&Quit", ("Ctrl+Q",), "", lambda w: w.close()),
+    Action("undo", "&Edit", "&Undo", ("Ctrl+Z",), "mdi6.undo", lambda w: w.session.undo()),
+    Action("redo", "&Edit", "&Redo", ("Ctrl+Shift+Z", "Ctrl+Y"), "mdi6.redo", lambda w: w.session.redo()),
+    Action("stop", "&Edit", "&Stop the running work", ("Esc",), "mdi6.stop", lambda w: w.stop()),
+    Action("page-shapes", "&View", "&Shapes", ("Ctrl+1",), "mdi6.vector-link", lambda w: w.show_page("shapes")),
+    Action("page-study", "&View", "S&tudy (voting screen)", ("Ctrl+2",), "mdi6.vote-outline", lambda w: w.show_page("study")),
+    Action("page-results", "&View", "&Results", ("Ctrl+3",), "mdi6.table", lambda w: w.show_page("results")),
+    Action("next-match", "&View", "&Next match", ("N",), "", lambda w: w.step_match(1)),
+    Action("previous-match", "&View", "&Previous match", ("P",), "", lambda w: w.step_match(-1)),
+    Action("next-layer", "&View", "Layer &above", ("PgUp",), "", lambda w: w.shapes.step_layer(1)),
+    Action("previous-layer", "&View", "Layer &below", ("PgDown",), "", lambda w: w.shapes.step_layer(-1)),
+    Action("next-node", "&View", "Next node of the layer", ("]",), "", lambda w: w.shapes.step_node(1)),
+    Action("previous-node", "&View", "Previous node of the layer", ("[",), "", lambda w: w.shapes.step_node(-1)),
+    Action("link-cameras", "&View", "&Link cameras", ("L",), "", lambda w: w.toggle_linked()),
+    Action("reset-view", "&View", "R&eset the view", ("R",), "", lambda w: w.reset_view()),
+    Action("turntable", "&View", "&Turn the shapes slowly", ("T",), "", lambda w: w.turn(), True),
+    Action("inspect-source", "&View", "&Inspect the source by itself", ("Ctrl+I",), "", lambda w: w.inspect(0)),
+    Action("inspect-target", "&View", "Inspect the target by itself", ("Ctrl+Shift+I",), "", lambda w: w.inspect(1)),
+    Action("panel", "&View", "Ri&ght panel", ("F9",), "", lambda w: w.toggle_panel()),
+    Action("alone", "&View", "Page &alone (no menus)", ("F11",), "", lambda w: w.toggle_alone()),
+    Action("dark", "&View", "&Dark", ("Ctrl+D",), "", lambda w: w.toggle_dark()),
+    Action("correct", "&Judge", "&Correct", ("J",), "", lambda w: w.answer("correct")),
+    Action("wrong", "&Judge", "&Wrong", ("F",), "", lambda w: w.answer("wrong")),
+    Action("unsure", "&Judge", "&Unsure", ("Space",), "", lambda w: w.answer("unsure")),
+    Action("undo-vote", "&Judge", "&Take back the last vote", ("Backspace",), "", lambda w: w.undo_vote()),
+    Action("new-study", "&Study", "&New study…", ("Ctrl+N",), "", lambda w: w.files.new_study()),
+    Action("open-study", "&Study", "&Open study…", ("Ctrl+Shift+O",), "", lambda w: w.files.open_study()),
+    Action("own-study", "&Study", "My own &votes", (), "", lambda w: w.judging.open()),
+    Action("enrol", "&Study", "&Add these matches to the study", (), "", lambda w: w.judging.enrol()),
+    Action("volunteer", "&Study", "&Who is voting…", (), "", lambda w: w.files.name_volunteer()),
+    Action("keys", "&Help", "&Keys", ("F1", "?"), "", lambda w: w.show_keys()),
+    Action("about", "&Help", "&About Concord", (), "", lambda w: w.show_about()),
+)
+
+
+def make_actions(window: "MainWindow") -> dict[str, QAction]:
+    """One QAction for each row, with its keys valid in the whole window."""
+    made: dict[str, QAction] = {}
+    for row in TABLE:
+        action = QAction(row.text, window, checkable=row.checkable)
+        action.setShortcuts([QKeySequence(keys) for keys in row.keys])
+        action.setShortcutContext(Qt.ShortcutContext.WindowShortcut)
+        action.triggered.connect(lambda _=False, row=row: row.handler(window))
+        window.addAction(action)
+        made[row.id] = action
+    return made
+
+
+def add_icons(actions: dict[str, QAction], colour: str) -> None:
+    """Static icons in one colour; reading the icon font costs a moment, so this comes after the first paint."""
+    for row in TABLE:
+        if row.icon:
+            actions[row.id].setIcon(icon(row.icon, colour))
+
+
+def icon(name: str, colour: str) -> QIcon:
+    """One icon of the font, in a colour."""
+    import qtawesome
+
+    return qtawesome.icon(name, color=colour)
+
+
+def fill_menus(window: "MainWindow", actions: dict[str, QAction]) -> dict[str, QMenu]:
+    """The menu bar, from the table."""
+    menus = {name: window.menuBar().addMenu(name) for name in MENUS}
+    for row in TABLE:
+        if row.id in SEPARATOR_BEFORE:
+            menus[row.menu].addSeparator()
+        menus[row.menu].addAction(actions[row.id])
+    return menus
+
+
+def add_choices(menu: QMenu, texts: list[str], chosen: Callable[[str], object], group: QActionGroup | None = None) -> None:
+    """Entries that hand their text to one function; with a group, one of them is ticked."""
+    for text in texts:
+        action = menu.addAction(text)
+        action.triggered.connect(lambda _=False, text=text: chosen(text))
+        if group is not None:
+            action.setCheckable(True)
+            group.addAction(action)
+
+
+def submenu(menu: QMenu, text: str, before: QAction) -> QMenu:
+    """A menu inside another, above an action."""
+    made = QMenu(text, menu)
+    menu.insertMenu(before, made)
+    return made
+
+
+def keys_table() -> str:
+    """All keys as an HTML table, by menu."""
+    rows = []
+    for menu in MENUS:
+        rows.append(f"<tr><td colspan=2 style='padding-top:8px'><b>{menu.replace('&', '')}</b></td></tr>")
+        for row in TABLE:
+            if row.menu == menu and row.keys:
+                text = row.text.replace("&", "").rstrip("…")
+                rows.append(f"<tr><td style='padding-right:24px'>{text}</td><td>{' or '.join(row.keys)}</td></tr>")
+    mouse = (("Drag", "turn a shape"), ("Shift or right drag", "move it"), ("Wheel, two fingers", "zoom"),
+             ("Double click", "usual view"), ("Click", "select a match or a segment's smallest match"))  # fmt: skip
+    rows.append("<tr><td colspan=2 style='padding-top:8px'><b>Mouse</b></td></tr>")
+    rows += [f"<tr><td style='padding-right:24px'>{what[0].upper()}{what[1:]}</td><td>{how}</td></tr>" for how, what in mouse]
+    return "<table>" + "".join(rows) + "</table>"

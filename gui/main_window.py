@@ -1,0 +1,404 @@
+"""The window: a rail of pages, one page, one status line. It is light, and furnished after its first paint."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QActionGroup, QCloseEvent, QDragEnterEvent, QDropEvent
+from PySide6.QtWidgets import (
+    QApplication,
+    QButtonGroup,
+    QCheckBox,
+    QComboBox,
+    QAbstractButton,
+    QDialog,
+    QDialogButtonBox,
+    QHBoxLayout,
+    QLabel,
+    QMainWindow,
+    QScrollArea,
+    QStackedWidget,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from engine.errors import ConcordError
+
+from . import actions
+from .folders import recent_pairs, remember_pair, settings
+from .jobs import Jobs, show_unexpected
+from .pages.messages import MessageBar
+from .pages.status import StatusLine, judged_text, seconds_text
+from .palette import Theme, apply_theme, system_is_dark, theme
+
+if TYPE_CHECKING:
+    from .session import State
+
+PAGES = (("shapes", "Shapes"), ("study", "Study"), ("results", "Results"))
+
+
+def window_style(colours: Theme) -> str:
+    """What the parts of the window add to the application's style."""
+    return f"""
+    QLabel#soft {{ color: {colours.soft_ink}; }}
+    QLabel#group-heading {{ font-weight: 600; }}
+    QLabel#changed-dot {{ color: {colours.accent}; }}
+    QLabel#page-heading, QLabel#question {{ font-size: 18px; font-weight: 600; }}
+    QLabel#placeholder {{ color: {colours.soft_ink}; font-size: 15px; }}
+    QWidget#rail {{ background: {colours.panel}; border-right: 1px solid {colours.line}; }}
+    QWidget#rail QToolButton {{ padding: 6px 0px; border-radius: 6px; color: {colours.soft_ink}; font-size: 12px; }}
+    QWidget#rail QToolButton:checked {{ background: {colours.raised}; color: {colours.ink}; }}
+    QWidget#status-line {{ background: {colours.panel}; border-top: 1px solid {colours.line}; }}
+    QFrame#message-bar {{ background: {colours.raised}; border: none; border-bottom: 2px solid {colours.wrong}; }}
+    QMenuBar {{ background: {colours.panel}; border-bottom: 1px solid {colours.line}; }}
+    """
+
+
+class MainWindow(QMainWindow):
+    """Lays out the pages and hands the commands of the menus on."""
+
+    def __init__(self, dark: bool | None = None) -> None:
+        super().__init__()
+        self.setWindowTitle("Concord")
+        self.resize(1366, 768)
+        self.setAcceptDrops(True)
+        chosen = settings().value("dark", "system") if dark is None else ("yes" if dark else "no")
+        self._dark = system_is_dark(QApplication.instance()) if chosen == "system" else chosen == "yes"
+        self.jobs, self.study_jobs = Jobs(self), Jobs(self)
+        self.messages, self.status = MessageBar(self), StatusLine(self)
+        self.stack = QStackedWidget(self)
+        self.placeholder = QLabel("Concord is opening …", self, alignment=Qt.AlignmentFlag.AlignCenter)
+        self.placeholder.setObjectName("placeholder")
+        self.stack.addWidget(self.placeholder)
+        self.furnished = False
+        self.pages: dict[str, QWidget] = {}
+        self.inspectors: list[QWidget] = []
+        self._lay_out()
+        self._restore_hook = show_unexpected(self.say)
+        self.jobs.failed.connect(self.say)
+        self._apply_theme()
+
+    def _lay_out(self) -> None:
+        self.rail = QWidget(self)
+        self.rail.setObjectName("rail")
+        self.rail.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.rail.setFixedWidth(72)
+        column = QVBoxLayout(self.rail)
+        column.setContentsMargins(6, 8, 6, 8)
+        column.setSpacing(4)
+        self._rail_group = QButtonGroup(self)
+        self.rail_buttons: dict[str, QToolButton] = {}
+        for name, text in PAGES:
+            button = QToolButton(self.rail, text=text, checkable=True)
+            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+            button.setFixedSize(60, 56)
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            button.clicked.connect(lambda _=False, name=name: self.show_page(name))
+            self._rail_group.addButton(button)
+            column.addWidget(button)
+            self.rail_buttons[name] = button
+        column.addStretch(1)
+        right = QVBoxLayout()
+        right.setSpacing(0)
+        right.addWidget(self.messages)
+        right.addWidget(self.stack, 1)
+        row = QHBoxLayout()
+        row.setSpacing(0)
+        row.addWidget(self.rail)
+        row.addLayout(right, 1)
+        whole = QWidget(self)
+        outer = QVBoxLayout(whole)
+        outer.setContentsMargins(0, 0, 0, 0)
+        outer.setSpacing(0)
+        outer.addLayout(row, 1)
+        outer.addWidget(self.status)
+        self.setCentralWidget(whole)
+
+    # --- furnishing
+
+    def furnish(self) -> None:
+        """Make session, pages and menus; the modules that this imports should be loaded already."""
+        from .pages.files import Files
+        from .pages.judging import Judging
+        from .pages.matching import Matching
+        from .pages.results import ResultsPage
+        from .pages.shapes import ShapesPage
+        from .pages.study import StudyPage
+        from .session import Session, State
+
+        volunteer = str(settings().value("volunteer", "me"))
+        self.session = Session(State(volunteer=volunteer, dark=self._dark), self)
+        self.matching = Matching(self.session, self.jobs, self)
+        self.judging = Judging(self.session, self.study_jobs, self)
+        self.shapes = ShapesPage(self.session, self.matching, self.judging, self)
+        self.study = StudyPage(self.session, self.judging, self)
+        self.results = ResultsPage(self.session, self.judging, self)
+        self.pages = {"shapes": self.shapes, "study": self.study, "results": self.results}
+        self.files = Files(self)
+        for page in self.pages.values():
+            self.stack.addWidget(page)
+            page.failed.connect(self.say)
+        self._connect()
+        self._fill_menus()
+        self.furnished = True
+        self._apply_theme()
+        self.show_page("shapes")
+        self._changed(State(), self.session.state, frozenset({"preset", "parameters", "linked"}))
+        self.judging.open()
+
+    def _connect(self) -> None:
+        self.session.changed.connect(self._changed)
+        self.judging.failed.connect(self.say)
+        self.shapes.view.files_dropped.connect(self.files.drop)
+        self.matching.opened.connect(remember_pair)
+        self.matching.took.connect(lambda seconds: self.status.seconds.setText(seconds_text(seconds)))
+        self.status.follow(self.jobs)
+        self.status.stopped.connect(self.stop)
+        QApplication.instance().styleHints().colorSchemeChanged.connect(self._system_theme)
+
+    def _fill_menus(self) -> None:
+        from engine.shapes.parameters import PRESETS
+
+        self.actions_by_id = actions.make_actions(self)
+        menus = actions.fill_menus(self, self.actions_by_id)
+        export = self.actions_by_id["export-figure"]
+        self.recent_menu, self.example_menu = actions.submenu(menus["&File"], "Open &recent", export), actions.submenu(
+            menus["&File"], "Open an e&xample", export)  # fmt: skip
+        self.recent_menu.aboutToShow.connect(self._fill_recent)
+        self._fill_examples()
+        self.preset_group = QActionGroup(self)
+        self.preset_menu = menus["&Edit"].addMenu("&Preset")
+        actions.add_choices(self.preset_menu, list(PRESETS), self.matching.choose_preset, self.preset_group)
+        self.status.preset.setMenu(self.preset_menu)
+        self.status.preset.show()
+
+    def _fill_examples(self) -> None:
+        from assets import example_pairs
+
+        for pair in example_pairs():
+            self.example_menu.addAction(pair.name).triggered.connect(lambda _=False, pair=pair: self.open_example(pair))
+
+    def _fill_recent(self) -> None:
+        self.recent_menu.clear()
+        for source, target in recent_pairs():
+            names = " – ".join(path.rpartition("/")[2] for path in (source, target))
+            action = self.recent_menu.addAction(names)
+            action.setToolTip(f"{source}\n{target}")
+            action.triggered.connect(lambda _=False, pair=(source, target): self.files.pair(*pair))
+        if self.recent_menu.isEmpty():
+            self.recent_menu.addAction("Nothing was opened yet").setEnabled(False)
+
+    def open_example(self, pair: object = None) -> None:
+        """Open a bundled pair, the first without a name."""
+        from assets import example_pairs
+
+        chosen = pair or example_pairs()[0]
+        self.show_page("shapes")
+        self.matching.open_pair(str(chosen.source), str(chosen.target), set_name=chosen.family)
+
+    # --- messages
+
+    def say(self, sentence: str, details: str = "") -> None:
+        """Show one sentence above the page."""
+        self.messages.show_message(sentence, details)
+
+    def attempt(self, work: Callable[[], object], done: str) -> None:
+        """Do something quick that may fail for a reason that people understand."""
+        try:
+            work()
+        except ConcordError as error:
+            self.say(str(error))
+        else:
+            self.messages.dismiss()
+            self.status.text.setText(done)
+
+    # --- commands
+
+    @property
+    def page(self) -> str:
+        """Name of the page that is shown."""
+        return next((name for name, page in self.pages.items() if page is self.stack.currentWidget()), "")
+
+    def show_page(self, name: str) -> None:
+        """Bring a page to the front and let it read what may have changed."""
+        if not self.furnished:
+            return
+        page = self.pages[name]
+        self.stack.setCurrentWidget(page)
+        self.rail_buttons[name].setChecked(True)
+        if hasattr(page, "begin"):
+            page.begin()
+        (page.view if hasattr(page, "view") else page).setFocus()
+
+    def answer(self, answer: str) -> None:
+        """An answer by its key, to whichever page asks; Space still presses the button that has the focus."""
+        focus = QApplication.focusWidget()
+        if answer == "unsure" and isinstance(focus, QCheckBox | QAbstractButton):
+            focus.click()
+        elif answer == "unsure" and isinstance(focus, QComboBox):
+            focus.showPopup()
+        elif self.page == "study":
+            self.study.answer(answer)
+        elif self.page == "shapes":
+            self.judging.answer(answer)
+
+    def undo_vote(self) -> None:
+        """Take back the volunteer's last vote."""
+        self.study.undo() if self.page == "study" else self.judging.undo()
+
+    def step_match(self, by: int) -> None:
+        """Go to the next or previous match; on the voting page, leave the question for the end."""
+        if self.page == "study":
+            self.study.skip()
+        else:
+            self.shapes.step_match(by)
+
+    def toggle_linked(self) -> None:
+        """Turn both shapes together, or each on its own."""
+        self.session.update(linked=not self.session.state.linked)
+
+    def reset_view(self) -> None:
+        """Show the shapes from the usual side."""
+        if hasattr(self.pages[self.page], "view"):
+            self.pages[self.page].view.reset_view()
+
+    def turn(self) -> None:
+        """Turn the shapes slowly, or stop that."""
+        on = self.actions_by_id["turntable"].isChecked()
+        for name in ("shapes", "study"):
+            self.pages[name].view.turntable(on)
+
+    def stop(self) -> None:
+        """Stop what runs; leave the page-alone mode if nothing does."""
+        if self.jobs.busy():
+            self.matching.cancel()
+            self.status.text.setText("Stopped.")
+        elif not self.rail.isVisible():
+            self.toggle_alone()
+
+    def toggle_panel(self) -> None:
+        """Show or hide the right panel of the shapes page."""
+        self.shapes.panel.setVisible(self.shapes.panel.isHidden())
+
+    def toggle_alone(self) -> None:
+        """Show the page without rail, menus and status line, or with them again."""
+        alone = self.rail.isVisible()
+        for part in (self.rail, self.status, self.menuBar()):
+            part.setVisible(not alone)
+
+    def toggle_dark(self) -> None:
+        """Change between light and dark; the system is followed again where both agree."""
+        dark = not self._dark
+        same = dark == system_is_dark(QApplication.instance())
+        settings().setValue("dark", "system" if same else "yes" if dark else "no")
+        self.session.update(dark=dark)
+
+    def inspect(self, side: int) -> None:
+        """Open one shape by itself in its own window."""
+        state = self.session.state
+        shape = state.target if side else state.source
+        if shape is None:
+            self.say("There is no shape to inspect yet; open two meshes first.")
+            return
+        from .views.inspector import Inspector
+
+        self.inspectors = [window for window in self.inspectors if window.isVisible()]
+        inspector = Inspector(shape, theme(self._dark))
+        inspector.show()
+        self.inspectors.append(inspector)
+
+    def show_keys(self) -> None:
+        """All keys, and the guideline of the study where it has one."""
+        guideline = self.study.guideline() if self.page == "study" else ""
+        self._text_window("Keys", (f"<p>{guideline}</p>" if guideline else "") + actions.keys_table())
+
+    def show_about(self) -> None:
+        """What this is."""
+        from importlib.metadata import version
+
+        name = "concord-correspondences"
+        self._text_window("About Concord", f"<h3>Concord {version(name)}</h3><p>Finds, shows and judges consistent "
+                          "correspondences between segmented shapes.<br>MIT licence.</p>")  # fmt: skip
+
+    def _text_window(self, title: str, html: str) -> None:
+        dialog = QDialog(self)
+        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        dialog.setWindowTitle(title)
+        text = QLabel(html, dialog, textFormat=Qt.TextFormat.RichText)
+        text.setContentsMargins(16, 16, 16, 16)
+        area = QScrollArea(dialog, widgetResizable=True)
+        area.setWidget(text)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, dialog)
+        buttons.rejected.connect(dialog.reject)
+        column = QVBoxLayout(dialog)
+        column.addWidget(area, 1)
+        column.addWidget(buttons)
+        dialog.resize(min(text.sizeHint().width() + 56, 640), min(text.sizeHint().height() + 80, 640))
+        dialog.open()
+
+    # --- following the state
+
+    def _changed(self, old: "State", state: "State", names: frozenset[str]) -> None:
+        if "dark" in names:
+            self._dark = state.dark
+            self._apply_theme()
+        if names & {"source", "target"} and state.source is not None and state.target is not None:
+            self.setWindowTitle(f"{state.source.mesh.name} – {state.target.mesh.name} · Concord")
+            self.messages.dismiss()
+        if names & {"preset", "parameters"}:
+            from engine.shapes.parameters import PRESETS
+
+            differs = state.parameters != PRESETS[state.preset]
+            self.status.preset.setText(state.preset + (" ●" if differs else ""))
+            for action in self.preset_group.actions():
+                action.setChecked(action.text() == state.preset)
+        if names & {"result", "answers", "verdicts", "source", "target"}:
+            self._show_status(state)
+        self.actions_by_id["undo"].setEnabled(self.session.can_undo)
+        self.actions_by_id["redo"].setEnabled(self.session.can_redo)
+
+    def _show_status(self, state: "State") -> None:
+        if state.result is None:
+            self.status.text.setText("" if state.source is None else "Matching …")
+            return
+        ids = state.result.ids
+        given = [state.verdicts.get(i) for i in ids]
+        counts = [given.count(verdict) for verdict in ("correct", "wrong", "tie")]
+        self.status.text.setText(judged_text(len(ids), *counts, sum(i in state.answers for i in ids)))
+
+    def _system_theme(self) -> None:
+        if settings().value("dark", "system") == "system":
+            self.session.update(dark=system_is_dark(QApplication.instance()))
+
+    def _apply_theme(self) -> None:
+        colours = apply_theme(QApplication.instance(), self._dark)
+        self.setStyleSheet(window_style(colours))
+        if self.furnished:
+            actions.add_icons(self.actions_by_id, colours.ink)
+            for name, button in self.rail_buttons.items():
+                button.setIcon(self.actions_by_id[f"page-{name}"].icon())
+
+    # --- files dropped beside the view, and the end
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        if self.furnished and event.mimeData().hasUrls():
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
+        event.acceptProposedAction()
+        QTimer.singleShot(0, lambda: self.files.drop(paths) if paths else None)
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Cancel, wait, let votes reach the disk, give the graphics back, and only then go."""
+        self.jobs.close()
+        if self.furnished:
+            self.judging.close()
+            for page in self.pages.values():
+                page.shutdown()
+        self.study_jobs.close()
+        for inspector in self.inspectors:
+            inspector.close()
+        self._restore_hook()
+        super().closeEvent(event)

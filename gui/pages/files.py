@@ -1,0 +1,144 @@
+"""Opening, dropping and exporting files: dialogs, and what follows from them."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject
+from PySide6.QtWidgets import QFileDialog, QInputDialog
+
+from engine.errors import ConcordError
+
+from ..folders import data_folder, settings
+
+if TYPE_CHECKING:
+    from ..main_window import MainWindow
+
+MESHES = "Meshes (*.off *.obj *.ply *.stl *.glb)"
+STUDIES = "Studies (*.db)"
+FIGURES = "PNG picture (*.png);;SVG drawing (*.svg);;PDF document (*.pdf)"
+
+
+def sorted_drop(paths: Iterable[str]) -> tuple[list[str], list[str], list[str]]:
+    """Dropped files as meshes, label files and study files, each in the given order."""
+    kinds: tuple[list[str], list[str], list[str]] = ([], [], [])
+    for path in paths:
+        ending = Path(path).suffix.lower()
+        kinds[{".seg": 1, ".db": 2}.get(ending, 0)].append(path)
+    return kinds
+
+
+def labels_for(meshes: Iterable[str], labels: Iterable[str]) -> tuple[str | None, ...]:
+    """The label file of each mesh: one of the same stem first, else what is left in the given order."""
+    left = list(labels)
+    found: list[str | None] = []
+    for mesh in meshes:
+        same = next((label for label in left if Path(label).stem == Path(mesh).stem), None)
+        found.append(same)
+        if same is not None:
+            left.remove(same)
+    return tuple(label if label is not None else (left.pop(0) if left else None) for label in found)
+
+
+class Files(QObject):
+    """The file commands of a window; everything that fails becomes a message."""
+
+    def __init__(self, window: "MainWindow") -> None:
+        super().__init__(window)
+        self.window = window
+        self.waiting = ""
+        self._folder = str(settings().value("folder", str(Path.home())))
+
+    def open(self) -> None:
+        """Ask for two meshes, together or one after the other."""
+        paths, _ = QFileDialog.getOpenFileNames(self.window, "Open two meshes (or the source first)", self._folder, MESHES)
+        if len(paths) == 1:
+            more, _ = QFileDialog.getOpenFileName(self.window, f"Open the target for {Path(paths[0]).name}", self._near(paths[0]), MESHES)
+            paths += [more] if more else []
+        if len(paths) > 2:
+            self.window.say("Choose one or two meshes; more than two were chosen.")
+        elif len(paths) == 2:
+            self.pair(*paths)
+
+    def pair(self, source: str, target: str, labels: tuple[str | None, str | None] = (None, None)) -> None:
+        """Open two files by their names."""
+        self.waiting = ""
+        self.window.messages.dismiss()
+        self._near(source)
+        self.window.show_page("shapes")
+        self.window.matching.open_pair(str(Path(source).absolute()), str(Path(target).absolute()), labels)
+
+    def drop(self, paths: list[str]) -> None:
+        """Open what was dropped: two meshes at once or one after the other, with their labels, or a study."""
+        meshes, labels, studies = sorted_drop(paths)
+        if studies:
+            self.window.judging.open(studies[0])
+        if self.waiting and len(meshes) == 1:
+            meshes.insert(0, self.waiting)
+        if len(meshes) == 1:
+            self.waiting = meshes[0]
+            self.window.say(f"{Path(meshes[0]).name} is the source; now drop the target.")
+        elif len(meshes) == 2:
+            first, second = labels_for(meshes, labels)
+            self.pair(*meshes, (first, second))
+        elif len(meshes) > 2:
+            self.window.say(f"{len(meshes)} meshes were dropped; drop two, the source first.")
+        elif labels and not studies:
+            self.window.say("A label file alone says nothing; drop it together with its mesh.")
+
+    def export_figure(self) -> None:
+        """Ask where to, and write what the view shows."""
+        path, kind = QFileDialog.getSaveFileName(self.window, "Export the figure", f"{self._folder}/correspondences.png", FIGURES)
+        if path:
+            path = path if Path(path).suffix else path + kind[kind.index("*") + 1 : kind.index(")")]
+            self.window.attempt(lambda: self.window.shapes.view.save_figure(path), f"Figure written to {path}")
+
+    def export_result(self) -> None:
+        """Ask for a folder, and write matches.json and its companions there."""
+        if self.window.session.state.result is None:
+            self.window.say("There are no matches to export yet; open two meshes first.")
+            return
+        folder = QFileDialog.getExistingDirectory(self.window, "Folder for matches.json, matches.csv and parameters.json", self._folder)
+        if folder:
+            self.write_result(Path(folder))
+
+    def write_result(self, folder: Path) -> None:
+        """Write matches.json and its companions into a folder."""
+        from engine.matchfile import write_matches
+
+        result = self.window.session.state.result
+        self.window.attempt(lambda: write_matches(result, folder), f"Matches written to {folder}")
+
+    def new_study(self) -> None:
+        """Ask for a name and make a study file."""
+        start = str(data_folder() / "study.db")
+        path, _ = QFileDialog.getSaveFileName(self.window, "New study", start, STUDIES,
+                                              options=QFileDialog.Option.DontConfirmOverwrite)  # fmt: skip
+        if path:
+            self.window.judging.open(path if Path(path).suffix else path + ".db", create=True)
+
+    def open_study(self) -> None:
+        """Ask for a study file and open it."""
+        path, _ = QFileDialog.getOpenFileName(self.window, "Open study", str(data_folder()), STUDIES + ";;All files (*)")
+        if path:
+            self.window.judging.open(path)
+
+    def name_volunteer(self) -> None:
+        """Ask for the code of who votes."""
+        from .judging import checked_code
+
+        now = self.window.session.state.volunteer
+        text, given = QInputDialog.getText(self.window, "Who is voting", "Code of the volunteer (letters, digits, - and _)", text=now)
+        if given:
+            try:
+                code = checked_code(text)
+            except ConcordError as error:
+                self.window.say(str(error))
+                return
+            settings().setValue("volunteer", code)
+            self.window.session.update(volunteer=code)
+
+    def _near(self, path: str) -> str:
+        self._folder = str(Path(path).absolute().parent)
+        settings().setValue("folder", self._folder)
+        return self._folder

@@ -1,0 +1,156 @@
+"""The voting page: one question, two shapes, three answers, a counter. Nothing says who proposed the match, or why."""
+
+import time
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+
+from ..palette import rgb, theme
+from ..session import Session, State
+from ..views.mesh_pair import MeshPairView
+from .judging import Judging
+from .panels import ANSWER_WORDS, answer_style
+from .questions import Asked, Question, Shapes, ask_next, empty_text, progress_text
+
+
+class StudyPage(QWidget):
+    """Asks the session's volunteer about the items of the open study, in the volunteer's own order."""
+
+    failed = Signal(str, str)
+
+    def __init__(self, session: Session, judging: Judging, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.session, self.judging = session, judging
+        self.question: Question | None = None
+        self._kept: Shapes = {}
+        self._skipped: list[str] = []
+        self._guideline = ""
+        self._given = ""
+        self._since = time.monotonic()
+        self.words = QLabel("", self)
+        self.words.setObjectName("question")
+        self.words.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self.words.setWordWrap(True)
+        self.view = MeshPairView(self)
+        self.view.setAcceptDrops(False)
+        self.counter, self.saved = QLabel("", self), QLabel("", self)
+        self.buttons: dict[str, QPushButton] = {}
+        column = QVBoxLayout(self)
+        column.setContentsMargins(16, 16, 16, 12)
+        column.setSpacing(12)
+        column.addWidget(self.words)
+        column.addWidget(self.view, 1)
+        column.addLayout(self._answers())
+        column.addLayout(self._small_print())
+        session.changed.connect(self.apply)
+        judging.saved.connect(self._saved)
+        self.apply(State(), session.state, frozenset(State.__slots__))
+
+    def _answers(self) -> QHBoxLayout:
+        row = QHBoxLayout()
+        row.setSpacing(16)
+        for answer, (words, key) in ANSWER_WORDS.items():
+            button = QPushButton(f"{words}\n{key}", self)
+            button.setObjectName(f"vote-{answer}")
+            button.setMinimumHeight(60)
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            button.clicked.connect(lambda _=False, answer=answer: self.answer(answer))
+            row.addWidget(button, 1)
+            self.buttons[answer] = button
+        return row
+
+    def _small_print(self) -> QHBoxLayout:
+        row = QHBoxLayout()
+        self.hint = QLabel("Backspace takes back · R resets the view · T turns the shapes · ? help", self)
+        for label in (self.counter, self.hint, self.saved):
+            label.setObjectName("soft")
+        row.addWidget(self.counter, 1)
+        row.addWidget(self.hint, 0)
+        row.addWidget(self.saved, 1, Qt.AlignmentFlag.AlignRight)
+        return row
+
+    def begin(self) -> None:
+        """Ask the next question (the page was shown, or the study or the volunteer changed)."""
+        state = self.session.state
+        for proposals in (state.proposals,) if state.proposals is not None else ():
+            for shape in (proposals.source, proposals.target):
+                self._kept[shape.record.sha256] = shape.shape
+        if self.judging.handle is None:
+            self._show_empty("No study is open. Open one with File > Open study, or make one with File > New study.")
+            return
+        self._ask()
+
+    def _ask(self, again: str = "") -> None:
+        code, skipped, kept = self.session.state.volunteer, tuple(self._skipped), self._kept
+        self.judging.ask(lambda handle: ask_next(handle, code, skipped, kept, again), self.show_question)
+
+    def show_question(self, asked: Asked) -> None:
+        """Show what is asked, or why nothing is."""
+        self._guideline = asked.guideline
+        self.words.setText(asked.words if asked.question else "")
+        self.counter.setText(progress_text(asked.progress) if asked.progress.total else "")
+        if asked.question is None:
+            self._show_empty(empty_text(asked))
+            return
+        before, self.question = self.question, asked.question
+        if before is None or not self.view.scenes_shown or before.shapes != self.question.shapes:
+            self.view.set_shapes(*self.question.shapes)
+        self._since, self._given = time.monotonic(), asked.answer
+        self._mark(self.session.state)
+        self.view.frame_match(*self.question.segments)
+
+    def _mark(self, state: State) -> None:
+        colours = theme(state.dark)
+        if self.question is not None:
+            self.view.set_highlight(*self.question.segments, rgb(colours.accent))
+        for answer, button in self.buttons.items():
+            button.setEnabled(self.question is not None)
+            button.setStyleSheet(answer_style(answer, colours, answer == self._given, padding=8) + "QPushButton { font-size: 15px; }")
+
+    def _show_empty(self, text: str) -> None:
+        self.question, self._given = None, ""
+        self.words.setText("")
+        self.view.clear(text)
+        self._mark(self.session.state)
+
+    def answer(self, answer: str) -> None:
+        """Commit an answer; the next question comes after it has reached the disk."""
+        question = self.question
+        if question is None or self.judging.saving:
+            return
+        shown = int((time.monotonic() - self._since) * 1000)
+        presentation = {"left": "target" if question.swapped else "source"}
+        self.judging.vote_on(question.item.id, answer, shown, presentation, self._ask)
+
+    def undo(self) -> None:
+        """Take back the last vote and show its match again."""
+        if not self.judging.saving:
+            self.judging.take_back(lambda item: self._ask(item) if item else self.saved.setText("no vote to take back"))
+
+    def skip(self) -> None:
+        """Leave this question for the end."""
+        if self.question is not None:
+            self._skipped.append(self.question.item.id)
+            self._ask()
+
+    def guideline(self) -> str:
+        """What the study says to its volunteers."""
+        return self._guideline
+
+    def _saved(self, words: str) -> None:
+        self.saved.setText(words)
+
+    def apply(self, _old: State, state: State, names: frozenset[str]) -> None:
+        """Follow the theme, the study and the volunteer."""
+        if "dark" in names:
+            self.view.set_theme(theme(state.dark))
+            self._mark(state)
+        if names & {"study", "volunteer"}:
+            self._skipped.clear()
+            self.saved.setText("")
+            if self.isVisible():
+                self.begin()
+
+    def shutdown(self) -> None:
+        """Give back what the view holds of the graphics system."""
+        self.view.shutdown()

@@ -1,0 +1,53 @@
+"""Start of the window: painted at once, furnished when the heavy modules have been imported in a thread."""
+
+import importlib
+import sys
+from collections.abc import Callable, Sequence
+
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QApplication
+
+from engine.progress import Progress
+
+from . import glprobe
+from .main_window import MainWindow
+
+HEAVY = (
+    "gui.session", "gui.pages.shapes", "gui.views.pair", "gui.pages.study", "gui.pages.results", "qtawesome", "assets",
+    "engine.shapes.meshfile", "engine.shapes.matching",
+)  # fmt: skip
+
+
+def load_modules(progress: Progress) -> None:
+    """Import what the pages need, and try the graphics; in the thread behind the placeholder."""
+    for k, name in enumerate(HEAVY):
+        progress(k / len(HEAVY), "Opening")
+        importlib.import_module(name)
+        if name == "gui.views.pair":
+            glprobe.problem()
+
+
+def open_window(window: MainWindow, pair: Sequence[str] = (), then: Callable[[], object] | None = None) -> None:
+    """Show the window, furnish it behind its first paint, and open a pair of files or the example."""
+
+    def furnished(_: None) -> None:
+        window.furnish()
+        if pair:
+            window.files.pair(*pair)
+        else:
+            window.open_example()
+        if then is not None:
+            then()
+
+    window.show()
+    QTimer.singleShot(0, lambda: window.jobs.start("modules", load_modules, furnished, words="Opening"))
+
+
+def run(pair: Sequence[str] = ()) -> int:
+    """Open the window and stay until it is closed; returns the exit code."""
+    app = QApplication.instance() or QApplication(sys.argv[:1])
+    app.setApplicationName("Concord")
+    app.setDesktopFileName("concord")
+    window = MainWindow()
+    open_window(window, pair)
+    return app.exec()

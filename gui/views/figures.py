@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 from PySide6.QtCore import QBuffer, QIODevice, QMarginsF, QRectF, QSize, QSizeF
 from PySide6.QtGui import QColor, QImage, QPageSize, QPainter, QPdfWriter
 from PySide6.QtSvg import QSvgGenerator
@@ -37,6 +38,17 @@ def png_bytes(size: tuple[int, int], paint: Paint, paper: str | None, scale: flo
     image.setDevicePixelRatio(scale)
     image.fill(QColor(0, 0, 0, 0) if paper is None else QColor(paper))
     _run(QPainter(image), paint)
+    return _encoded(image)
+
+
+def image_bytes(pixels: np.ndarray) -> bytes:
+    """An image (height, width, 3) uint8 as a PNG."""
+    data = np.ascontiguousarray(pixels, np.uint8)
+    height, width = data.shape[:2]
+    return _encoded(QImage(data.data, width, height, 3 * width, QImage.Format.Format_RGB888))
+
+
+def _encoded(image: QImage) -> bytes:
     buffer = _buffer()
     image.save(buffer, "PNG")
     return bytes(buffer.data().data())

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from assets import example_pairs
+from scipy.spatial import KDTree
 
+from assets import example_pairs
 from engine.errors import BadInput, BadParameter
 from engine.shapes.families import (
     FAMILIES,
@@ -16,7 +17,7 @@ from engine.shapes.families import (
 )
 from engine.shapes.families.lofting import loft
 from engine.shapes.families.solids import ellipsoid, torus, tube, turned
-from engine.shapes.families.welding import surface_nets, weld
+from engine.shapes.families.welding import surface_nets, surface_samples, weld
 from engine.shapes.meshfile import load_shape
 from engine.shapes.oversegmentation import connected_pieces, face_neighbours
 
@@ -88,7 +89,7 @@ def test_every_face_has_a_label_and_a_part_and_the_variants_keep_their_word(fami
     assert 2000 <= m <= 12000
     assert shape.label_names == LABELS[family]
     assert len(shape.label) == len(shape.part) == m
-    assert 0 <= shape.label.min()
+    assert shape.label.min() >= 0
     assert shape.label.max() < len(shape.label_names)
     for part in np.unique(shape.part):
         assert len(np.unique(shape.label[shape.part == part])) == 1
@@ -110,10 +111,6 @@ def test_parts_of_a_touching_shape_lie_close_to_each_other():
     """Joined by touch within 1.2 % of the diagonal, every shape is one piece."""
     for family in FAMILIES:
         shape = make_shape(family, 7, variant="touching")
-        from scipy.spatial import KDTree
-
-        from engine.shapes.families.welding import surface_samples
-
         count = shape.part.max() + 1
         size = np.linalg.norm(np.ptp(shape.mesh.vertices, axis=0))
         trees = [

@@ -1,0 +1,70 @@
+import numpy as np
+import pytest
+
+from gui.views.links import contains, convex_hull, distance_to_segments, hit_inside, hit_outline, lay_out, polygon_area
+from gui.views.scene import Link
+
+SOURCE, TARGET = np.array([[10.0, 10], [10, 90]]), np.array([[210.0, 10], [210, 90]])
+SEEN = np.ones(2, bool)
+
+
+def placed(*links, source_seen=SEEN):
+    return lay_out(links, SOURCE, source_seen, TARGET, SEEN)
+
+
+def test_distance_from_a_segment():
+    a, b = np.array([[0.0, 0], [0, 0], [5, 5]]), np.array([[10.0, 0], [0, 10], [5, 5]])
+    assert distance_to_segments(np.array([4.0, 3.0]), a, b) == pytest.approx([3, 4, 5**0.5])
+    assert distance_to_segments(np.array([13.0, 4.0]), a[:1], b[:1]) == pytest.approx([5])
+
+
+def test_hull_drops_inner_points_and_turns_counter_clockwise():
+    hull = convex_hull(np.array([[0.0, 0], [4, 0], [4, 4], [0, 4], [1, 2], [2, 0]]))
+    assert len(hull) == 4
+    assert polygon_area(hull) == pytest.approx(16)
+    assert contains(hull, np.array([1.0, 1.0]))
+    assert not contains(hull, np.array([5.0, 1.0]))
+
+
+def test_points_on_a_line_have_a_flat_hull():
+    assert convex_hull(np.array([[0.0, 0], [1, 1], [2, 2]])).tolist() == [[0, 0], [2, 2]]
+
+
+def test_a_click_hits_the_nearest_line_within_reach():
+    shapes = placed(Link("top", (0,), (0,)), Link("bottom", (1,), (1,)))
+    assert hit_outline(shapes, np.array([100.0, 13.0])) == "top"
+    assert hit_outline(shapes, np.array([100.0, 86.0])) == "bottom"
+    assert hit_outline(shapes, np.array([100.0, 50.0])) is None
+    assert hit_outline(shapes, np.array([100.0, 16.0])) is None
+
+
+def test_the_symbol_of_a_judged_link_is_hit_too():
+    judged, plain = placed(Link("a", (0,), (0,), "correct")), placed(Link("a", (0,), (0,)))
+    at = judged[0].symbol + np.array([0, 9])
+    assert hit_outline(judged, at) == "a"
+    assert hit_outline(plain, at) is None
+
+
+def test_inside_a_polygon_the_smallest_is_hit():
+    big, small = Link("big", (0, 1), (0, 1), merged=True), Link("small", (0, 1), (1,), merged=True)
+    shapes = placed(big, small)
+    assert len(shapes[0].outline) == 4
+    assert len(shapes[1].outline) == 3
+    assert hit_inside(shapes, np.array([40.0, 60.0])) == "small"
+    assert hit_inside(shapes, np.array([200.0, 20.0])) == "big"
+    assert hit_inside(shapes, np.array([300.0, 50.0])) is None
+
+
+def test_symbols_do_not_cover_each_other():
+    links = [Link(str(i), (0,), (0,), "correct") for i in range(5)]
+    places = np.array([shape.symbol for shape in placed(*links)])
+    gaps = np.abs(places[:, None] - places[None]).sum(axis=2)[~np.eye(5, dtype=bool)]
+    assert gaps.min() > 16
+
+
+def test_a_link_is_hidden_when_a_whole_side_is():
+    hidden = np.array([False, True])
+    line, union = placed(Link("a", (0,), (0,)), Link("b", (0, 1), (0,), merged=True), source_seen=hidden)
+    assert line.hidden
+    assert not union.hidden
+    assert union.seen.tolist() == [False, True, True]

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
+import numpy as np
+
 from .parameters import declared
 from .shapes.parameters import PRESETS, MatchParameters
 from .shapes.result import MatchResult, ShapeRecord
@@ -96,8 +98,8 @@ def _matches(result: MatchResult) -> str:
          f"{m.source_layer} / {m.target_layer}", f"{m.similarity:.3f}")
         for k, m in enumerate(result.matches())
     ]  # fmt: skip
-    left = [", ".join(str(n) for n, used in zip(record.segments, members.any(axis=0), strict=True) if not used) or "none"
-            for record, members in ((result.source, result.source_members), (result.target, result.target_members))]  # fmt: skip
+    sides = ((result.source, result.source_members), (result.target, result.target_members))
+    left = [listed(record, tuple(np.flatnonzero(~members.any(axis=0)))) or "none" for record, members in sides]
     head = ("#", _name(result.source), _name(result.target), "score", "votes", "layers", "similarity")
     table = html_table(head, rows, [True, False, False, True, True, False, True])
     unmatched = f"<p>Segments in no match: {escape(left[0])} (left); {escape(left[1])} (right).</p>"

@@ -18,7 +18,7 @@ class Candidates:
     def __post_init__(self) -> None:
         pairs = frozen_array(np.asarray(self.pairs).reshape(-1, 2), np.int64, (None, 2), "The candidate pairs")
         similarity = frozen_array(self.similarity, np.float64, (len(pairs),), "The similarities")
-        if len(similarity) and not (0 <= similarity.min() and similarity.max() <= 1):
+        if len(similarity) and not (similarity.min() >= 0 and similarity.max() <= 1):
             raise BadInput("Similarities of candidates must lie in [0, 1].")
         object.__setattr__(self, "pairs", pairs)
         object.__setattr__(self, "similarity", similarity)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, dijkstra
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from .mesh import face_areas
 from .segmentation import SegmentedShape, SegmentGraph
@@ -88,7 +88,7 @@ def segment_geodesics(shape: SegmentedShape, seed: int) -> np.ndarray:
 def _neighbour_graph(points: np.ndarray) -> coo_array:
     """Each point joined to its nearest 8, and leftover pieces joined by their closest points."""
     count = len(points)
-    distance, index = cKDTree(points).query(points, min(_NEIGHBOURS + 1, count))
+    distance, index = KDTree(points).query(points, min(_NEIGHBOURS + 1, count))
     rows = np.repeat(np.arange(count), distance.shape[1])
     columns, values = index.ravel(), distance.ravel()
     while True:
@@ -98,7 +98,7 @@ def _neighbour_graph(points: np.ndarray) -> coo_array:
             return graph
         inside = np.flatnonzero(piece == np.argmin(np.bincount(piece)))
         outside = np.setdiff1d(np.arange(count), inside)
-        near, at = cKDTree(points[outside]).query(points[inside])
+        near, at = KDTree(points[outside]).query(points[inside])
         best = int(np.argmin(near))
         rows, columns = np.append(rows, inside[best]), np.append(columns, outside[at[best]])
         values = np.append(values, near[best])

@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..errors import BadInput
 from .mesh import Mesh
-from .segmentation import SegmentedShape, Segmentation, segmentation_from_labels
+from .segmentation import Segmentation, SegmentedShape, segmentation_from_labels
 
 MESH_SUFFIXES = (".off", ".obj", ".ply", ".stl", ".glb")
 LARGEST_FILE = 2 * 2**30
@@ -152,9 +152,9 @@ def _segments(
             )
         return segmentation_from_labels(values), ""
     if file.suffix.lower() == ".ply":
-        values, name = _ply_labels(parts[0][1], len(mesh.faces))
-        if values is not None:
-            return segmentation_from_labels(values), f"Segments of {mesh.name} are the PLY face property '{name}'."
+        found, name = _ply_labels(parts[0][1], len(mesh.faces))
+        if found is not None:
+            return segmentation_from_labels(found), f"Segments of {mesh.name} are the PLY face property '{name}'."
     if len(parts) > 1:
         kind = "groups" if file.suffix.lower() == ".obj" else "parts"
         names, inverse = np.unique([name for name, _ in parts], return_inverse=True)

@@ -86,7 +86,8 @@ def tables() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def centred_disc(image: np.ndarray, box: tuple[int, int, int, int], disc: np.ndarray) -> bool:
     """Resample a bit image (S, S/8) about its centroid into `disc` (GRID, GRID) uint8; False where it is empty."""
     top, bottom, left, right = box
-    count, sum_x, sum_y = 0, 0.0, 0.0
+    count = 0
+    sum_x = sum_y = 0.0
     for y in range(top, bottom + 1):
         row = 0
         for k in range(left, right + 1):

@@ -57,10 +57,14 @@ def propose(
     with watch("distances"):
         lfd = _distances(source, target, pairs, progress, cache)
     s, t = source.measures, target.measures
-    difference = [np.abs(np.log(x[pairs[:, 0]]) - np.log(y[pairs[:, 1]])) for x, y in
-                  ((s.size, t.size), (s.extent, t.extent), (s.centrality, t.centrality))]  # fmt: skip
+
+    def apart(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return np.abs(np.log(x[pairs[:, 0]]) - np.log(y[pairs[:, 1]]))
+
     bottom = (pairs[:, 0] < len(source.graph.area)) & (pairs[:, 1] < len(target.graph.area))
-    return Proposals(source, target, pairs, lfd, *difference, bottom, pack(s), pack(t), watch.seconds)
+    return Proposals(
+        source, target, pairs, lfd, apart(s.size, t.size), apart(s.extent, t.extent),
+        apart(s.centrality, t.centrality), bottom, pack(s), pack(t), watch.seconds)  # fmt: skip
 
 
 def _pool(source: DescribedShape, target: DescribedShape) -> np.ndarray:

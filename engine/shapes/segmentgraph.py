@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from .mesh import diagonal, face_areas
 from .meshfile import merged_vertices
@@ -109,7 +109,7 @@ def _near(points: np.ndarray, owner: np.ndarray, group: np.ndarray, radius: floa
     found = [np.zeros((0, 2), dtype=np.int64)]
     for g in range(int(group.max())):
         mine, rest = np.flatnonzero(group == g), np.flatnonzero(group > g)
-        lists = cKDTree(points[mine]).sparse_distance_matrix(cKDTree(points[rest]), radius, output_type="coo_matrix")
+        lists = KDTree(points[mine]).sparse_distance_matrix(KDTree(points[rest]), radius, output_type="coo_matrix")
         found.append(_pairs(owner[mine[lists.row]], owner[rest[lists.col]]))
     return np.unique(np.concatenate(found), axis=0)
 
@@ -122,7 +122,7 @@ def _closest_pairs(points: np.ndarray, owner: np.ndarray, group: np.ndarray) -> 
         size = np.bincount(group[owner])
         smallest = int(np.argmin(np.where(size > 0, size, size.max() + 1)))
         inside = group[owner] == smallest
-        distance, index = cKDTree(points[~inside]).query(points[inside])
+        distance, index = KDTree(points[~inside]).query(points[inside])
         best = int(np.argmin(distance))
         a, b = int(owner[inside][best]), int(owner[~inside][index[best]])
         joined.append((min(a, b), max(a, b)))

@@ -17,8 +17,8 @@ class _Stage:
     def __init__(self, proposals: Proposals, rows: np.ndarray, similarity: np.ndarray, delta: float, p: MatchParameters):
         self.pairs, self.similarity, self.c_2 = proposals.pairs[rows], similarity[rows], p.c_2
         self.d_source, self.d_target = proposals.source.hops, proposals.target.hops
-        self.reach = tuple(int(delta * diameter(d) + 1e-9) for d in (self.d_source, self.d_target))
-        self.table = affinity_table(*self.reach, p.c_0)
+        self.reach = (int(delta * diameter(self.d_source) + 1e-9), int(delta * diameter(self.d_target) + 1e-9))
+        self.table = affinity_table(self.reach[0], self.reach[1], p.c_0)
         degree = affinity_degrees(self.pairs, self.similarity, self.d_source, self.d_target, self.table)
         self.confidence = stationary(degree)
 

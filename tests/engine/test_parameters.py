@@ -74,5 +74,5 @@ def test_a_written_parameter_file_gives_the_same_parameters(tmp_path):
 def test_damaged_parameter_files_are_refused(tmp_path, content):
     file = tmp_path / "parameters.json"
     file.write_text(content)
-    with pytest.raises(BadInput, match="parameters.json"):
+    with pytest.raises(BadInput, match=r"parameters\.json"):
         read_values(file)

@@ -68,6 +68,7 @@ def make_shape(family: str, seed: int, *, variant: str = "touching", pose: str =
     turn = random_rotation(rng)
     vertices, faces, part = _welded(solids) if variant == "welded" else _touching(solids)
     label = np.array([LABELS[family].index(solid.name) for solid in solids])[part]
+    part = np.unique(part, return_inverse=True)[1].ravel()
     if pose == "turned":
         vertices = vertices @ turn.T
     vertices = np.round(vertices, DIGITS)

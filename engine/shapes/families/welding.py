@@ -8,13 +8,13 @@ from collections.abc import Sequence
 
 import numpy as np
 from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from ..oversegmentation import face_neighbours, without_teeth
+from ..oversegmentation import connected_pieces, face_neighbours, without_teeth
 
 REACH = 2.5
 SWELL = 0.15
+LEAST_SHARE = 0.003
 TAUBIN = (0.5, -0.53, 0.5, -0.53)
 CORNERS = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 CELL_EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if np.abs(CORNERS[a] - CORNERS[b]).sum() == 1]
@@ -23,7 +23,8 @@ CELL_EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if np.abs(CORNER
 def weld(parts: Sequence[tuple[np.ndarray, np.ndarray]], cell: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Union of closed parts (vertices, faces) as one mesh with edges near `cell`.
 
-    Returns vertices (n, 3) float64, faces (m, 3) int64 and the nearest part of each face (m,) int64.
+    Returns vertices (n, 3) float64, faces (m, 3) int64 and the nearest part of each face (m,) int64. A part that the others
+    swallow has no faces.
     """
     samples = [KDTree(surface_samples(v, f, cell / 3)) for v, f in parts]
     everything = np.concatenate([v for v, _ in parts])
@@ -131,11 +132,8 @@ def _cross2(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def _largest_component(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Drop crumbs that the grid tore off a thin tip."""
-    n = len(vertices)
-    link = coo_matrix((np.ones(len(faces) * 2), (np.r_[faces[:, 0], faces[:, 0]], np.r_[faces[:, 1], faces[:, 2]])),
-                      shape=(n, n))  # fmt: skip
-    component = connected_components(link, directed=False)[1][faces[:, 0]]
+    """Drop crumbs that the grid tore off a thin tip, and bubbles enclosed between parts."""
+    component = connected_pieces(face_neighbours(faces), len(faces))
     faces = faces[component == np.bincount(component).argmax()]
     used, faces = np.unique(faces, return_inverse=True)
     return vertices[used], faces.reshape(-1, 3)
@@ -153,23 +151,21 @@ def _smoothed(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 def _without_islands(faces: np.ndarray, label: np.ndarray) -> np.ndarray:
-    """Give every piece of a label but its largest to the label that it touches most."""
+    """Give every piece of a label but its largest, and what little shows of a swallowed part, to its surroundings."""
     label = label.copy()
     pairs = face_neighbours(faces)
-    for _ in range(4):
+    for _ in range(6):
         same = label[pairs[:, 0]] == label[pairs[:, 1]]
-        link = coo_matrix((np.ones(same.sum()), pairs[same].T), shape=(len(faces),) * 2)
-        piece = connected_components(link, directed=False)[1]
+        piece = connected_pieces(pairs[same], len(faces))
         size = np.bincount(piece)
         owner = label[np.unique(piece, return_index=True)[1]]
         order = np.lexsort((size, owner))
         largest = order[np.r_[owner[order][1:] != owner[order][:-1], True]]
-        islands = np.setdiff1d(np.arange(len(size)), largest)
+        islands = np.setdiff1d(np.arange(len(size)), largest[size[largest] >= LEAST_SHARE * len(faces)])
         if not len(islands):
             break
         both = np.vstack([pairs[~same], pairs[~same][:, ::-1]])
         for island in islands:
             around = label[both[piece[both[:, 0]] == island, 1]]
-            if len(around):
-                label[piece == island] = np.bincount(around).argmax()
+            label[piece == island] = np.bincount(around).argmax()
     return label

@@ -142,6 +142,19 @@ def check_outside(path: Path) -> None:
     with open(path, "rb") as handle:
         if handle.read(16) != b"SQLite format 3\0":
             raise BadInput(f"{path} is not a study file (it is no SQLite file); choose another.")
+    # Only a file at rest can be measured: while a log lies beside it, its end may still be in there.
+    if _cut_short(path) and not os.path.exists(f"{path}-wal") and _cut_short(path):
+        raise BadInput(
+            f"{path} is damaged (its end is missing); use the newest copy in the folder 'backups' beside it."
+        )
+
+
+def _cut_short(path: Path) -> bool:
+    """Whether the file is shorter than its header says (SQLite file format, section 1.3)."""
+    with open(path, "rb") as handle:
+        header = handle.read(100)
+    page = int.from_bytes(header[16:18], "big")
+    return path.stat().st_size < int.from_bytes(header[28:32], "big") * (65536 if page == 1 else page)
 
 
 def _check_inside(path: Path, raw: sqlite3.Connection) -> int:
@@ -155,7 +168,7 @@ def _check_inside(path: Path, raw: sqlite3.Connection) -> int:
             f"{schema.SCHEMA_VERSION}); update Concord."
         )
     raw.execute("PRAGMA trusted_schema=OFF")
-    found = raw.execute("PRAGMA quick_check(1)").fetchone()[0]
+    found = raw.execute("PRAGMA integrity_check(1)").fetchone()[0]
     tables = {name for (name,) in raw.execute("SELECT name FROM sqlite_master")}
     if found != "ok" or version < 1 or not {"study", "item", "event"} <= tables:
         raise BadInput(f"{path} is damaged; use the newest copy in the folder 'backups' beside it.")

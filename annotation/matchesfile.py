@@ -24,6 +24,7 @@ class _Shape(_Model):
     sha256: Annotated[str, Field(min_length=1)]
     segments: Count
     faces: Count
+    segmentation: str = ""  # hash of the labels where it is given: one mesh may come with several segmentations
 
 
 class _Match(_Model):
@@ -79,4 +80,5 @@ def _run(read: _MatchesFile, set_name: str) -> Run:
 
 
 def _side(shape: _Shape, segments: tuple[int | str, ...]) -> dict[str, Any]:
-    return {"file": shape.file, "sha256": shape.sha256, "segments": list(segments)}
+    side: dict[str, Any] = {"file": shape.file, "sha256": shape.sha256, "segments": list(segments)}
+    return side | {"segmentation": shape.segmentation} if shape.segmentation else side

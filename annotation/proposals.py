@@ -71,14 +71,18 @@ def distinct(proposals: Iterable[Proposal]) -> tuple[Proposal, ...]:
 
 def run_id(run: Run) -> str:
     """Hash of what was run on what and which matches came out; seconds and file names do not count."""
-    inputs = [[side["sha256"], side["segments"], side["faces"]] for side in (run.source, run.target)]
+    inputs = [_input(run.source), _input(run.target)]
     ids = sorted(proposal.item.id for proposal in run.proposals)
     return _hash([run.kind, run.method, run.preset, run.parameters, run.set_name, inputs, ids])
 
 
 def pair_id(source: Mapping[str, Any], target: Mapping[str, Any]) -> str:
     """Hash of the two inputs, the same in either direction."""
-    return _hash(sorted(canonical([side["sha256"], side["segments"], side["faces"]]) for side in (source, target)))
+    return _hash(sorted((_input(source), _input(target))))
+
+
+def _input(side: Mapping[str, Any]) -> str:
+    return canonical([side["sha256"], side["segments"], side["faces"], side.get("segmentation", "")])
 
 
 def canonical(value: Any) -> str:

@@ -77,7 +77,8 @@ class Proposal:
 class Run:
     """One method with one set of parameters on one pair, and its distinct proposals, best first.
 
-    `source` and `target` are `{"file", "sha256", "segments", "faces"}`, the last two being numbers.
+    `source` and `target` are `{"file", "sha256", "segments", "faces"}`, the last two being numbers, and, where known,
+    `"segmentation"`, the hash of the labels.
     """
 
     kind: Kind

@@ -9,9 +9,10 @@ from .precision import ALL_SETS, Ballot, PrecisionRow, thesis_average
 
 TableFormat = Literal["text", "csv", "markdown"]
 _HEADER = (
-    "method", "preset", "set", "pairs", "judged", "correct", "wrong", "tie", "unjudged", "precision", "95 % interval",
-    "macro", "bounds", "volunteers", "votes", "unsure",
+    "method", "set", "pairs", "judged", "correct", "wrong", "tie", "precision %", "95 % interval", "macro %",
+    "bounds %", "votes", "unsure %",
 )  # fmt: skip
+_WORDS = 2  # how many columns hold words, to be set to the left
 _CSV_HEADER = (
     "method", "preset", "set", "parameter_sets", "pairs", "matches", "judged", "correct", "wrong", "tie", "unjudged",
     "micro_precision", "macro_precision", "interval_low", "interval_high", "interval_method", "bound_low",
@@ -48,14 +49,17 @@ def agreement_line(votes: Sequence[Ballot]) -> str:
 
 
 def _cells(row: PrecisionRow) -> tuple[str, ...]:
-    interval = f"{_number(row.interval.low)} to {percent(row.interval.high)}" if row.interval else "–"
-    bounds = f"{_number(row.bound_low)} to {percent(row.bound_high)}" if row.bound_low is not None else "–"
-    preset = (row.preset or "–") + ("*" if row.parameter_sets > 1 else "")
+    interval = _range(row.interval.low, row.interval.high) if row.interval else "–"
     return (
-        row.method, preset, row.set_name or "–", str(row.pairs), f"{row.judged} of {row.matches}",
-        str(row.correct), str(row.wrong), str(row.tie), str(row.unjudged), percent(row.micro), interval,
-        percent(row.macro), bounds, str(row.volunteers), str(row.votes), percent(row.unsure),
+        _name(row) + ("*" if row.parameter_sets > 1 else ""), row.set_name or "–", str(row.pairs),
+        f"{row.judged} of {row.matches}", str(row.correct), str(row.wrong), str(row.tie), _number(row.micro), interval,
+        _number(row.macro), _range(row.bound_low, row.bound_high), f"{row.votes} by {row.volunteers}",
+        _number(row.unsure),
     )  # fmt: skip
+
+
+def _name(row: PrecisionRow) -> str:
+    return row.method if row.preset in ("", row.method) else f"{row.method}, {row.preset}"
 
 
 def _csv_cells(row: PrecisionRow) -> tuple[object, ...]:
@@ -87,15 +91,14 @@ def _thesis_notes(rows: Sequence[PrecisionRow]) -> list[str]:
         sets = [r for r in rows if r[:2] == total[:2] and r.set_name != ALL_SETS and r.micro is not None]
         if len(sets) > 1:
             mean, spread = thesis_average([100 * (r.micro or 0) for r in sets], [r.pairs for r in sets])
-            name = " ".join(filter(None, total[:2]))
-            notes.append(f"As in Tables 3.1/3.2, {name}: {mean:.3f} % ± {spread:.3f} over {len(sets)} sets.")
+            notes.append(f"As in Tables 3.1/3.2, {_name(total)}: {mean:.3f} % ± {spread:.3f} over {len(sets)} sets.")
     return notes
 
 
 def _aligned(table: Sequence[Sequence[str]]) -> list[str]:
     """Columns as wide as their widest cell: words to the left, figures to the right, a rule below the header."""
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    sides = ["<"] * 3 + [">"] * (len(widths) - 3)
+    sides = ["<"] * _WORDS + [">"] * (len(widths) - _WORDS)
     lines = [
         "  ".join(f"{cell:{side}{width}}" for cell, width, side in zip(row, widths, sides, strict=True)).rstrip()
         for row in table
@@ -105,8 +108,12 @@ def _aligned(table: Sequence[Sequence[str]]) -> list[str]:
 
 def _markdown(table: Sequence[Sequence[str]]) -> list[str]:
     lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in table]
-    return [lines[0], "|" + "---|" * 3 + "--:|" * (len(table[0]) - 3), *lines[1:]]
+    return [lines[0], "|" + "---|" * _WORDS + "--:|" * (len(table[0]) - _WORDS), *lines[1:]]
 
 
 def _number(share: float | None) -> str:
     return percent(share).removesuffix(" %")
+
+
+def _range(low: float | None, high: float | None) -> str:
+    return "–" if low is None else f"{_number(low)} – {_number(high)}"

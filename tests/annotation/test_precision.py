@@ -7,10 +7,12 @@ import pytest
 from judging_world import CANDLE, LAMP, ONE_TO_ONE, VASE, identity, result, study_of
 
 from annotation import study
+from annotation.matchesfile import run_of_json
 from annotation.precision import ALL_SETS, ballots, precision_table, thesis_average
 from annotation.tabletext import agreement_line, render
 from engine.errors import BadParameter
 from engine.evaluation.intervals import clustered_interval
+from engine.matchfile import result_to_json
 
 FOOT, STEM, SHADE = (identity(LAMP, one, VASE, other) for one, other in ONE_TO_ONE)
 
@@ -23,7 +25,7 @@ def vote(handle, volunteer, **items):
 
 @pytest.fixture
 def judged(tmp_path):
-    """One method on two pairs: lamp-vase has a right, a tied, a wrong match, lamp-candle a right and an unjudged one."""
+    """Two pairs: lamp-vase has a right, a tied and a wrong match, lamp-candle a right one and one unjudged."""
     candle = result(((0,), (0,)), ((1,), (1,)), target=CANDLE)
     with study_of(tmp_path / "a.db", result(*ONE_TO_ONE), candle, set_name="lamps") as handle:
         vote(handle, "anna", foot="c", stem="c", shade="w")
@@ -84,12 +86,21 @@ def test_a_pair_without_matches_is_a_pair(judged):
     assert precision_table(judged)[0].pairs == 3
 
 
+def test_one_mesh_with_two_segmentations_makes_two_pairs(tmp_path):
+    with study_of(tmp_path / "a.db", result(*ONE_TO_ONE)) as handle:
+        for labels in ("coarse", "fine"):
+            content = result_to_json(result(*ONE_TO_ONE))
+            content["source"]["segmentation"] = labels
+            study.add_run(handle, run_of_json(content, "cut"))
+        assert [(row.set_name, row.pairs) for row in precision_table(handle)] == [("", 1), ("cut", 2), (ALL_SETS, 3)]
+
+
 def test_text_and_markdown_have_all_columns(judged):
     text, markdown = (render(precision_table(judged), ballots(judged), style) for style in ("text", "markdown"))
     header, rule, row = text.splitlines()[:3]
-    assert header.split()[:3] == ["method", "preset", "set"]
+    assert header.split()[:2] == ["method", "set"]
     assert set(rule) == {"-"}
-    for cell in ("4 of 5", "66.7 %", "75.0 %", "40.0 to 80.0 %", "14.3 %"):
+    for cell in ("4 of 5", " 66.7 ", " 75.0 ", "40.0 – 80.0", " 7 by 2 ", " 14.3"):
         assert cell in row
     lines = [line for line in markdown.splitlines() if line.startswith("|")]
     assert len(lines) == 3

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from engine.shapes.families import FAMILIES, VARIANTS, make_pair, parse_segments
+from engine.shapes.families import FAMILIES, POSES, VARIANTS, make_pair, parse_segments
 from engine.shapes.matching import match_shapes
 from engine.shapes.mesh import Mesh
 from engine.shapes.parameters import PRESETS, preset
@@ -43,6 +43,7 @@ class Task(NamedTuple):
     variant: str = ""
     segments: tuple[int, int] = (10, 16)
     cold: bool = False
+    pose: str = "turned"
 
 
 class Row(NamedTuple):
@@ -62,7 +63,7 @@ def generated_tasks(options: argparse.Namespace) -> list[Task]:
         family = options.families[k % len(options.families)]
         variant = options.variants[(k // len(options.families)) % len(options.variants)]
         seed = options.seed_from + k
-        tasks.append(Task(family, "", "", tuple(options.presets), seed, variant, segments, options.cold))
+        tasks.append(Task(family, "", "", tuple(options.presets), seed, variant, segments, options.cold, options.pose))
     return tasks
 
 
@@ -101,7 +102,7 @@ def read_princeton(text: str) -> tuple[SegmentedShape, np.ndarray]:
 def run(task: Task) -> list[Row]:
     """Match one pair by every preset and judge it."""
     if task.seed >= 0:
-        pair = make_pair(task.group, task.seed, variant=task.variant, segments=task.segments)
+        pair = make_pair(task.group, task.seed, variant=task.variant, segments=task.segments, pose=task.pose)
         source, target, truth = pair.source, pair.target, (pair.source_label, pair.target_label)
         name = f"{task.seed} {task.variant}"
     else:
@@ -144,6 +145,7 @@ def arguments(words: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--families", nargs="+", choices=tuple(FAMILIES), default=list(FAMILIES))
     parser.add_argument("--variants", nargs="+", choices=VARIANTS, default=list(VARIANTS))
     parser.add_argument("--segments", default="10-16", help="fewest and most segments of a generated shape")
+    parser.add_argument("--pose", choices=POSES, default="turned", help="turned: every shape is rotated at random")
     parser.add_argument("--presets", nargs="+", choices=tuple(PRESETS), default=list(PRESETS))
     parser.add_argument("--princeton", choices=("coarse-fine", "median-median"), help="real pairs instead")
     parser.add_argument("--categories", nargs="+", choices=CATEGORIES, default=list(CATEGORIES))

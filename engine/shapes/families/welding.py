@@ -23,8 +23,8 @@ CELL_EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if np.abs(CORNER
 def weld(parts: Sequence[tuple[np.ndarray, np.ndarray]], cell: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Union of closed parts (vertices, faces) as one mesh with edges near `cell`.
 
-    Returns vertices (n, 3) float64, faces (m, 3) int64 and the nearest part of each face (m,) int64. A part that the others
-    swallow has no faces.
+    Returns vertices (n, 3) float64, faces (m, 3) int64 and the nearest part of each face (m,) int64. A part that
+    the others swallow has no faces.
     """
     samples = [KDTree(surface_samples(v, f, cell / 3)) for v, f in parts]
     everything = np.concatenate([v for v, _ in parts])

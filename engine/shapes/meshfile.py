@@ -134,8 +134,8 @@ def _joined(file: Path, parts: list[tuple[str, Any]]) -> tuple[Mesh, np.ndarray]
     """One mesh of all parts and the part of each face, (m,) int64."""
     offsets = np.cumsum([0, *(len(part.vertices) for _, part in parts)])
     vertices = np.concatenate([np.asarray(part.vertices, dtype=np.float64) for _, part in parts])
-    faces = np.concatenate(
-        [np.asarray(part.faces, dtype=np.int64).reshape(-1, 3) + start for (_, part), start in zip(parts, offsets, strict=False)])  # fmt: skip
+    rows = [np.asarray(part.faces, dtype=np.int64).reshape(-1, 3) for _, part in parts]
+    faces = np.concatenate([part + start for part, start in zip(rows, offsets, strict=False)])
     owner = np.repeat(np.arange(len(parts)), [len(part.faces) for _, part in parts])
     return Mesh(vertices, faces, file.stem), owner
 

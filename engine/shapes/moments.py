@@ -160,8 +160,8 @@ def disc_moments(
                 break
     mean = max(reach.sum(), 1e-9)
     for k in range(FOURIER):
-        c, s = 0.0, 0.0
+        cosine = sine = 0.0
         for a in range(ANGLES):
-            c += fourier[k, 0, a] * reach[a]
-            s += fourier[k, 1, a] * reach[a]
-        out[width // 2 - 1 + k] = np.sqrt(c * c + s * s) / mean
+            cosine += fourier[k, 0, a] * reach[a]
+            sine += fourier[k, 1, a] * reach[a]
+        out[width // 2 - 1 + k] = np.sqrt(cosine * cosine + sine * sine) / mean

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QActionGroup, QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
+    QAbstractButton,
     QApplication,
     QButtonGroup,
-    QCheckBox,
     QComboBox,
-    QAbstractButton,
     QDialog,
     QDialogButtonBox,
     QHBoxLayout,
@@ -51,6 +50,10 @@ def window_style(colours: Theme) -> str:
     QWidget#rail QToolButton:checked {{ background: {colours.raised}; color: {colours.ink}; }}
     QWidget#status-line {{ background: {colours.panel}; border-top: 1px solid {colours.line}; }}
     QFrame#message-bar {{ background: {colours.raised}; border: none; border-bottom: 2px solid {colours.wrong}; }}
+    QWidget#status-line QToolButton {{ padding: 4px 8px; }}
+    QWidget#status-line QToolButton::menu-indicator {{ image: none; }}
+    QPushButton#plain {{ border: none; background: transparent; color: {colours.soft_ink}; padding: 2px 4px; }}
+    QPushButton#plain:hover {{ color: {colours.ink}; text-decoration: underline; }}
     QMenuBar {{ background: {colours.panel}; border-bottom: 1px solid {colours.line}; }}
     """
 
@@ -136,6 +139,7 @@ class MainWindow(QMainWindow):
         self.results = ResultsPage(self.session, self.judging, self)
         self.pages = {"shapes": self.shapes, "study": self.study, "results": self.results}
         self.files = Files(self)
+        self.study.who.clicked.connect(self.files.name_volunteer)
         for page in self.pages.values():
             self.stack.addWidget(page)
             page.failed.connect(self.say)
@@ -176,8 +180,8 @@ class MainWindow(QMainWindow):
     def _fill_examples(self) -> None:
         from assets import example_pairs
 
-        for pair in example_pairs():
-            self.example_menu.addAction(pair.name).triggered.connect(lambda _=False, pair=pair: self.open_example(pair))
+        for name, _source, _target in example_pairs():
+            self.example_menu.addAction(name).triggered.connect(lambda _=False, name=name: self.open_example(name))
 
     def _fill_recent(self) -> None:
         self.recent_menu.clear()
@@ -189,13 +193,13 @@ class MainWindow(QMainWindow):
         if self.recent_menu.isEmpty():
             self.recent_menu.addAction("Nothing was opened yet").setEnabled(False)
 
-    def open_example(self, pair: object = None) -> None:
+    def open_example(self, name: str = "") -> None:
         """Open a bundled pair, the first without a name."""
         from assets import example_pairs
 
-        chosen = pair or example_pairs()[0]
+        found, source, target = next(pair for pair in example_pairs() if name in ("", pair[0]))
         self.show_page("shapes")
-        self.matching.open_pair(str(chosen.source), str(chosen.target), set_name=chosen.family)
+        self.matching.open_pair(str(source), str(target), set_name=found)
 
     # --- messages
 
@@ -227,6 +231,7 @@ class MainWindow(QMainWindow):
         page = self.pages[name]
         self.stack.setCurrentWidget(page)
         self.rail_buttons[name].setChecked(True)
+        self.status.setVisible(name != "study" and self.rail.isVisibleTo(self))  # a volunteer sees no results
         if hasattr(page, "begin"):
             page.begin()
         (page.view if hasattr(page, "view") else page).setFocus()
@@ -234,7 +239,7 @@ class MainWindow(QMainWindow):
     def answer(self, answer: str) -> None:
         """An answer by its key, to whichever page asks; Space still presses the button that has the focus."""
         focus = QApplication.focusWidget()
-        if answer == "unsure" and isinstance(focus, QCheckBox | QAbstractButton):
+        if answer == "unsure" and isinstance(focus, QAbstractButton):
             focus.click()
         elif answer == "unsure" and isinstance(focus, QComboBox):
             focus.showPopup()
@@ -284,8 +289,9 @@ class MainWindow(QMainWindow):
     def toggle_alone(self) -> None:
         """Show the page without rail, menus and status line, or with them again."""
         alone = self.rail.isVisible()
-        for part in (self.rail, self.status, self.menuBar()):
+        for part in (self.rail, self.menuBar()):
             part.setVisible(not alone)
+        self.status.setVisible(not alone and self.page != "study")
 
     def toggle_dark(self) -> None:
         """Change between light and dark; the system is followed again where both agree."""
@@ -303,10 +309,13 @@ class MainWindow(QMainWindow):
             return
         from .views.inspector import Inspector
 
-        self.inspectors = [window for window in self.inspectors if window.isVisible()]
-        inspector = Inspector(shape, theme(self._dark))
-        inspector.show()
-        self.inspectors.append(inspector)
+        def show() -> None:
+            inspector = Inspector(shape, theme(self._dark))
+            self.inspectors.append(inspector)
+            inspector.destroyed.connect(lambda _: self.inspectors.remove(inspector))
+            inspector.show()
+
+        self.attempt(show, f"{shape.mesh.name} opened by itself.")
 
     def show_keys(self) -> None:
         """All keys, and the guideline of the study where it has one."""
@@ -350,7 +359,7 @@ class MainWindow(QMainWindow):
             from engine.shapes.parameters import PRESETS
 
             differs = state.parameters != PRESETS[state.preset]
-            self.status.preset.setText(state.preset + (" ●" if differs else ""))
+            self.status.preset.setText(state.preset + (" ●" if differs else "") + "  ▾")
             for action in self.preset_group.actions():
                 action.setChecked(action.text() == state.preset)
         if names & {"result", "answers", "verdicts", "source", "target"}:
@@ -398,7 +407,7 @@ class MainWindow(QMainWindow):
             for page in self.pages.values():
                 page.shutdown()
         self.study_jobs.close()
-        for inspector in self.inspectors:
+        for inspector in list(self.inspectors):
             inspector.close()
         self._restore_hook()
         super().closeEvent(event)

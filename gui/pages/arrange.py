@@ -15,6 +15,20 @@ def union_text(names: Sequence[int | str], segments: Iterable[int]) -> str:
     return texts[0] if len(texts) == 1 else "{" + ", ".join(texts) + "}"
 
 
+def short_union(names: Sequence[int | str], segments: Sequence[int]) -> str:
+    """A union in little room: '4', '{2,3,5}', '{2,3,+4}'."""
+    texts = [str(names[k]) for k in segments]
+    if len(texts) == 1:
+        return texts[0]
+    return "{" + ",".join(texts if len(texts) <= 3 else [*texts[:2], f"+{len(texts) - 2}"]) + "}"
+
+
+def short_text(match: Match, result: MatchResult) -> str:
+    """'1 → {2,3}', for the list."""
+    source, target = result.source.segments, result.target.segments
+    return f"{short_union(source, match.source)} → {short_union(target, match.target)}"
+
+
 def match_text(match: Match, result: MatchResult) -> str:
     """'1 → {2, 3}'."""
     source, target = result.source.segments, result.target.segments
@@ -73,7 +87,7 @@ def reasons(match: Match, result: MatchResult) -> list[tuple[str, str]]:
     if thesis:
         similarity += f"  (at least {share_text(p.lfd_threshold)} is asked)"
     score = f"{share_text(match.score)}  of the best match's " + ("confidence π" if thesis else "agreement")
-    votes = f"{match.votes}" if thesis and p.voting else "not used by this method"
+    votes = f"{match.votes}  " + ("by Algorithm 1" if thesis and p.voting else "from matches nested in it")
     return [
         ("Source", _side(result.source.segments, match.source, match.source_layer)),
         ("Target", _side(result.target.segments, match.target, match.target_layer)),

@@ -39,7 +39,7 @@ def step_node(place: Place, by: int, nodes: int) -> Place:
 def layer_words(place: Place, layers: int, here: int, there: int) -> str:
     """'layer 3 of 8 · 41 + 38 nodes', or what is shown without a layer."""
     if not place.layer:
-        return "matches"
+        return f"matches   ▸ layers 1–{layers}" if layers else ""
     return f"layer {place.layer} of {layers} · {here} + {there} nodes"
 
 
@@ -55,7 +55,7 @@ class LayerBar(QWidget):
         self.node_back, self.node_on = self._button("◂", "Previous node of the layer"), self._button("▸", "Next node")
         self.words, self.node_words = QLabel("matches", self), QLabel("", self)
         self.words.setMinimumWidth(196)
-        self.node_words.setMinimumWidth(112)
+        self.node_words.setMinimumWidth(128)
         for label in (self.words, self.node_words):
             label.setAlignment(Qt.AlignmentFlag.AlignCenter)
         row = QHBoxLayout(self)
@@ -75,8 +75,9 @@ class LayerBar(QWidget):
         button.setFixedSize(28, 28)
         return button
 
-    def show_place(self, place: Place, source: MultiLayerGraph | None, target: MultiLayerGraph | None) -> None:
-        """Say where the walk is; without graphs there is nothing to walk through."""
+    def show_place(self, place: Place, source: MultiLayerGraph | None, target: MultiLayerGraph | None,
+                   union: str = "") -> None:  # fmt: skip
+        """Say where the walk is, and the `union` that the node stands for; without graphs there is nothing to walk."""
         ready = source is not None and target is not None
         layers = max(source.layers, target.layers) if ready else 0
         here, there = (len(nodes_of(g, place.layer)) for g in (source, target)) if ready and place.layer else (0, 0)
@@ -86,4 +87,4 @@ class LayerBar(QWidget):
         for widget in (self.node_back, self.node_words, self.node_on):
             widget.setVisible(bool(place.layer) and here + there > 0)
         at = "all nodes" if place.node < 0 else f"node {place.node + 1} of {here + there}"
-        self.node_words.setText(at)
+        self.node_words.setText(f"{at} · {union}" if union else at)

@@ -10,7 +10,7 @@ from engine.shapes.result import Match
 
 from ..palette import theme
 from ..session import State
-from .arrange import ORDERS, SYMBOLS, arranged, match_text, share_text, state_of
+from .arrange import ORDERS, SYMBOLS, arranged, match_text, share_text, short_text, state_of
 
 _HEADS = ("", "match", "score", "votes", "layers")
 _TIPS = ("What the majority of volunteers says", "Segments of the source → segments of the target",
@@ -71,7 +71,7 @@ class MatchModel(QAbstractTableModel):
         if judged == "undecided" and self.state.answers.get(match.id) == "unsure":
             symbol = SYMBOLS["unsure"]
         layers = f"{match.source_layer}–{match.target_layer}"
-        return (symbol, match_text(match, self.state.result), share_text(match.score), str(match.votes), layers)[column]
+        return (symbol, short_text(match, self.state.result), share_text(match.score), str(match.votes), layers)[column]
 
 
 def _alignment(column: int) -> Qt.AlignmentFlag:
@@ -106,7 +106,7 @@ class MatchList(QTableView):
         head.setHighlightSections(False)
         head.setSectionsClickable(True)
         head.setMinimumSectionSize(24)
-        for column, width in ((0, 30), (2, 50), (3, 48), (4, 56)):
+        for column, width in ((0, 26), (2, 46), (3, 46), (4, 50)):
             head.setSectionResizeMode(column, QHeaderView.ResizeMode.Fixed)
             self.setColumnWidth(column, width)
         head.setSectionResizeMode(1, QHeaderView.ResizeMode.Stretch)

@@ -121,18 +121,21 @@ class ResultsPage(QWidget):
         column.setContentsMargins(16, 16, 16, 12)
         column.setSpacing(12)
         column.addLayout(head)
-        column.addWidget(self.table, 1)
+        column.addWidget(self.table, 10)
         column.addWidget(self.empty)
         column.addWidget(self.notes)
+        column.addStretch(1)
         session.changed.connect(self.apply)
         judging.refreshed.connect(self._refresh_if_shown)
         self.show_table(self.content)
 
     def _table(self) -> QTableWidget:
         table = QTableWidget(0, len(HEADS), self)
-        table.setHorizontalHeaderLabels(HEADS)
+        table.setHorizontalHeaderLabels([f"  {head}  " for head in HEADS])
         for column, head in enumerate(HEADS):
             table.horizontalHeaderItem(column).setToolTip(_TIPS.get(head, ""))
+            if column < 3:
+                table.horizontalHeaderItem(column).setTextAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
         table.verticalHeader().hide()
         table.verticalHeader().setDefaultSectionSize(32)
         table.setShowGrid(False)
@@ -161,7 +164,7 @@ class ResultsPage(QWidget):
         self.table.setRowCount(len(content.rows))
         for line, row in enumerate(content.rows):
             for column, text in enumerate(cells(row)):
-                item = QTableWidgetItem(text)
+                item = QTableWidgetItem(f"  {text}  " if text else "")
                 item.setTextAlignment(Qt.AlignmentFlag.AlignVCenter | (
                     Qt.AlignmentFlag.AlignLeft if column < 3 else Qt.AlignmentFlag.AlignHCenter))  # fmt: skip
                 if HEADS[column] == "95 % interval":
@@ -169,6 +172,7 @@ class ResultsPage(QWidget):
                     item.setToolTip(row.interval.method if row.interval else "Nothing is decided yet.")
                 self.table.setItem(line, column, item)
         some = bool(content.rows)
+        self.table.setMaximumHeight(self.table.horizontalHeader().sizeHint().height() + 32 * len(content.rows) + 4)
         self.table.setVisible(some)
         self.empty.setVisible(not some)
         self.empty.setText("No match has been judged in this study yet. Judge some on the page Shapes with J and F.")

@@ -23,7 +23,7 @@ from ..parameter_form import ParameterForm
 from ..session import Session, State
 from ..views.mesh_pair import MeshPairView
 from ..views.scene import Link, layer_colours, layer_nodes
-from .arrange import SHOWN, arranged, merged, smallest_with, state_of
+from .arrange import SHOWN, arranged, merged, short_union, smallest_with, state_of
 from .judging import Judging, checked_code
 from .layers import LayerBar, Place, node_list, step_layer, step_node
 from .match_list import MatchList
@@ -34,8 +34,13 @@ PANEL_WIDTH = 340
 
 
 def links_of(state: State) -> list[Link]:
-    """The links to draw: those that the list shows, or those of the layer that is walked through; best on top."""
+    """The links to draw: those that the list shows, or those of the layer that is walked through; best on top.
+
+    A single node of a layer is shown without links.
+    """
     rows = arranged(state.matches(), state.shown, "score", state.verdicts)
+    if state.layer and state.node >= 0:
+        return []
     if state.layer:
         rows = [m for m in rows if state.layer in (m.source_layer, m.target_layer)]
     return [Link(m.id, m.source, m.target, state_of(m.id, state.verdicts), m.score, merged(m)) for m in reversed(rows)]
@@ -119,6 +124,7 @@ class ShapesPage(QWidget):
         area.setWidget(self.form)
         head = QHBoxLayout()
         head.setContentsMargins(8, 8, 8, 4)
+        head.setSpacing(8)
         head.addWidget(QLabel("Preset", self))
         head.addWidget(self.presets, 1)
         tab = QWidget(self)
@@ -226,7 +232,7 @@ class ShapesPage(QWidget):
         if "linked" in names:
             self.view.set_linked_cameras(state.linked)
             self.linked.setChecked(state.linked)
-        if names & {"result", "shown", "verdicts", "layer", "source", "target"}:
+        if names & {"result", "shown", "verdicts", "layer", "node", "source", "target"}:
             self.view.set_links(links_of(state))
         if shapes or names & {"layer", "node", "selected", "result", "dark", "proposals"}:
             self._show_place(state)
@@ -239,7 +245,7 @@ class ShapesPage(QWidget):
 
     def _show_place(self, state: State) -> None:
         graphs = self._graphs()
-        self.layers.show_place(Place(state.layer, state.node), *(graphs or (None, None)))
+        union_words = ""
         colours: list = [None, None]
         source, target, colour = (), (), None
         match = state.match(state.selected)
@@ -253,8 +259,11 @@ class ShapesPage(QWidget):
                 union = tuple(graphs[side].members[row].nonzero()[0].tolist())
                 source, target = (union, ()) if side == 0 else ((), union)
                 colour = segment_colours(union[0] + 1)[union[0]]
+                names = (state.source, state.target)[side].segmentation.names
+                union_words = f"{('source', 'target')[side]} {short_union(names, union)}"
             colours = [layer_colours(layer_nodes(g, state.layer), segment_colours(g.members.shape[1]), faded)
                        for g in graphs]  # fmt: skip
+        self.layers.show_place(Place(state.layer, state.node), *(graphs or (None, None)), union_words)
         self.view.set_layer_colours(*colours)
         self.view.set_selected(state.selected or None)
         self.view.set_highlight(source, target, colour)

@@ -61,9 +61,14 @@ class StudyPage(QWidget):
 
     def _small_print(self) -> QHBoxLayout:
         row = QHBoxLayout()
+        row.setSpacing(4)
+        self.who = QPushButton("", self, flat=True, toolTip="Who is voting; click to change")
+        self.who.setObjectName("plain")
+        self.who.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.hint = QLabel("Backspace takes back · R resets the view · T turns the shapes · ? help", self)
         for label in (self.counter, self.hint, self.saved):
             label.setObjectName("soft")
+        row.addWidget(self.who)
         row.addWidget(self.counter, 1)
         row.addWidget(self.hint, 0)
         row.addWidget(self.saved, 1, Qt.AlignmentFlag.AlignRight)
@@ -145,6 +150,8 @@ class StudyPage(QWidget):
         if "dark" in names:
             self.view.set_theme(theme(state.dark))
             self._mark(state)
+        if "volunteer" in names:
+            self.who.setText(f"Volunteer {state.volunteer}")
         if names & {"study", "volunteer"}:
             self._skipped.clear()
             self.saved.setText("")

@@ -57,3 +57,14 @@ def evaluate_result(
     """Judge all matches of a result."""
     pairs = [(match.source, match.target) for match in result.matches()]
     return evaluate_matches(source, target, source_label, target_label, pairs)
+
+
+def lenient_answers(
+    source: SegmentedShape, target: SegmentedShape, source_label: np.ndarray, target_label: np.ndarray, result: MatchResult
+) -> list[bool]:
+    """Whether each match of a result is right by the lenient rule (class overlap of at least one half), best first."""
+    classes = np.unique(np.concatenate([source_label, target_label]))
+    tables = [label_table(shape, label, classes) for shape, label in ((source, source_label), (target, target_label))]
+    h, g = result.source_members @ tables[0], result.target_members @ tables[1]
+    p, q = h / h.sum(axis=1, keepdims=True), g / g.sum(axis=1, keepdims=True)
+    return (np.minimum(p, q).sum(axis=1) >= 0.5).tolist()

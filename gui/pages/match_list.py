@@ -106,7 +106,7 @@ class MatchList(QTableView):
         head.setHighlightSections(False)
         head.setSectionsClickable(True)
         head.setMinimumSectionSize(24)
-        for column, width in ((0, 26), (2, 46), (3, 46), (4, 50)):
+        for column, width in ((0, 26), (2, 48), (3, 48), (4, 50)):
             head.setSectionResizeMode(column, QHeaderView.ResizeMode.Fixed)
             self.setColumnWidth(column, width)
         head.setSectionResizeMode(1, QHeaderView.ResizeMode.Stretch)

@@ -128,6 +128,7 @@ class ResultsPage(QWidget):
         session.changed.connect(self.apply)
         judging.refreshed.connect(self._refresh_if_shown)
         self.show_table(self.content)
+        self.apply(State(), session.state, frozenset(State.__slots__))
 
     def _table(self) -> QTableWidget:
         table = QTableWidget(0, len(HEADS), self)

@@ -56,7 +56,7 @@ class ShapesPage(QWidget):
         self.session, self.matching, self.judging = session, matching, judging
         self.view = MeshPairView(self)
         self.layers = LayerBar(self)
-        self.linked = QPushButton("Link cameras", self, checkable=True, toolTip="Turn both shapes together")
+        self.linked = QPushButton("", self, checkable=True, toolTip="Turn both shapes together, or each on its own (L)")
         self.linked.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.list, self.why, self.judge = MatchList(self), WhyPanel(self), JudgeStrip(self)
         self.form = ParameterForm(MatchParameters, self)
@@ -93,6 +93,7 @@ class ShapesPage(QWidget):
         tabs = QTabWidget(self)
         tabs.setFixedWidth(PANEL_WIDTH)
         tabs.setDocumentMode(True)
+        tabs.tabBar().setDrawBase(False)
         tabs.tabBar().setFocusPolicy(Qt.FocusPolicy.TabFocus)
         tabs.addTab(self._matches_tab(), "Matches")
         tabs.addTab(self._parameters_tab(), "Parameters")
@@ -232,6 +233,7 @@ class ShapesPage(QWidget):
         if "linked" in names:
             self.view.set_linked_cameras(state.linked)
             self.linked.setChecked(state.linked)
+            self.linked.setText("Cameras linked" if state.linked else "Cameras free")
         if names & {"result", "shown", "verdicts", "layer", "node", "source", "target"}:
             self.view.set_links(links_of(state))
         if shapes or names & {"layer", "node", "selected", "result", "dark", "proposals"}:

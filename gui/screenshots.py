@@ -1,0 +1,102 @@
+"""`python -m gui.screenshots OUT`: every page with the bundled example, light and dark, as PNG files to look at."""
+
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+PATIENCE = 180.0
+
+
+def take_all(out: Path) -> list[Path]:
+    """Write the pictures to a folder and return their paths; nothing of the user's own settings or votes is touched."""
+    os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+    written: list[Path] = []
+    for dark in (False, True):
+        with tempfile.TemporaryDirectory() as data:
+            os.environ["CONCORD_DATA"] = data
+            written += _take(out, dark)
+    return written
+
+
+def _take(out: Path, dark: bool) -> list[Path]:
+    from PySide6.QtWidgets import QApplication
+
+    from .main_window import MainWindow
+    from .startup import open_window
+
+    app = QApplication.instance() or QApplication(sys.argv[:1])
+    written: list[Path] = []
+
+    def wait(ready: Callable[[], bool]) -> None:
+        end = time.monotonic() + PATIENCE
+        while not ready():
+            if time.monotonic() > end:
+                raise TimeoutError(window.messages.text.text() or "The window did not become ready.")
+            app.processEvents()
+            time.sleep(0.01)
+
+    def rest(seconds: float = 0.6) -> None:
+        end = time.monotonic() + seconds
+        wait(lambda: time.monotonic() > end and not window.study_jobs.busy() and not window.jobs.busy())
+
+    def shot(name: str) -> None:
+        rest()
+        written.append(out / f"{name}-{'dark' if dark else 'light'}.png")
+        window.grab().save(str(written[-1]))
+
+    window = MainWindow(dark=dark)
+    open_window(window)
+    written.append(out / f"opening-{'dark' if dark else 'light'}.png")
+    window.grab().save(str(written[-1]))
+    wait(lambda: window.furnished and window.session.state.result is not None)
+    shot("shapes")
+    for answer in ("correct", "correct", "wrong", "correct"):
+        if not window.session.state.selected:
+            window.step_match(1)
+        rest(0.05)
+        window.answer(answer)
+        rest(0.05)
+    shot("judged")
+    window.shapes.panel.setCurrentIndex(1)
+    window.matching.choose_preset("thesis-rigid")
+    window.matching.edit("delta_1", 0.3, True)
+    shot("parameters")
+    window.shapes.panel.setCurrentIndex(0)
+    window.shapes.step_layer(1)
+    window.shapes.step_layer(1)
+    shot("layer")
+    window.shapes.step_node(1)
+    shot("node")
+    window.shapes.step_layer(-2)
+    window.show_page("study")
+    wait(lambda: window.study.question is not None)
+    shot("study")
+    window.show_page("results")
+    wait(lambda: bool(window.results.content.rows))
+    shot("results")
+    window.show_page("shapes")
+    window.say("vase.off has no faces; Concord needs a surface made of triangles.", "details")
+    shot("message")
+    window.close()
+    window.deleteLater()
+    app.processEvents()
+    return written
+
+
+def main() -> int:
+    """Take all pictures into the folder that is named on the command line."""
+    if len(sys.argv) != 2:
+        print("usage: python -m gui.screenshots OUT", file=sys.stderr)
+        return 2
+    out = Path(sys.argv[1])
+    out.mkdir(parents=True, exist_ok=True)
+    for path in take_all(out):
+        print(path)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -57,13 +57,13 @@ def _front(rng: np.random.Generator, shoulder: np.ndarray, girth: float) -> list
 def _legs(rng: np.random.Generator, length: float, girth: float, tall: float, z: float) -> list[Solid]:
     """Four legs, each swung and bent at random, of an upper and a lower piece and perhaps a foot."""
     thick, knee_at, footed = girth * rng.uniform(0.36, 0.5), rng.uniform(0.42, 0.58), rng.uniform() < 0.6
-    stride = rng.uniform(0.05, 0.4)
+    stride = rng.uniform(0.05, 0.3)
     solids = []
     for place in (0.34, -0.36):
         for side in (1, -1):
             hip = np.array([place * length, side * 0.55 * girth, z - 0.25 * girth])
             swing = rng.uniform(-stride, stride)
-            bend = rng.uniform(0.0, 0.5) * (-1 if place > 0 else 1)
+            bend = rng.uniform(0.0, 0.3) * (-1 if place > 0 else 1)
             down = np.array([np.sin(swing), 0.06 * side, -np.cos(swing)])
             low = np.array([np.sin(swing + bend), 0.03 * side, -np.cos(swing + bend)])
             knee = hip + knee_at * tall * unit(down)

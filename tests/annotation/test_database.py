@@ -261,3 +261,50 @@ def test_sentences_for_what_sqlite_says():
     }
     for words, expected in said.items():
         assert expected in database.explained(database.Path("a.db"), sqlite3.OperationalError(words), 30)
+
+
+def test_a_full_disk_refuses_the_vote_and_keeps_the_others(path):
+    with study.open_study(path) as handle:
+        with handle.reading() as connection:
+            pages = connection.exec_driver_sql("PRAGMA page_count").scalar()
+            connection.exec_driver_sql(f"PRAGMA max_page_count={pages}")
+        with pytest.raises(BadInput, match="disk is full"):
+            study.record_vote(handle, FOOT, "bert", "wrong", comment="x" * 100_000)
+        assert study.majority(handle)[FOOT] == (1, 0, 0, "correct")
+    assert vote_count(path) == 1
+
+
+def test_threads_share_a_handle(path):
+    with study.open_study(path) as handle:
+        voters = [threading.Thread(target=vote_often, args=(handle, f"t{n}")) for n in range(6)]
+        for voter in voters:
+            voter.start()
+        for voter in voters:
+            voter.join()
+        assert study.majority(handle)[FOOT] == (7, 0, 0, "correct")
+    assert vote_count(path) == 1 + 6 * 20
+
+
+def vote_often(handle, code):
+    for _ in range(20):
+        study.record_vote(handle, FOOT, code, "correct")
+
+
+def test_two_who_create_the_same_study_at_once(tmp_path):
+    made, refusals = [], []
+
+    def create():
+        try:
+            study.create_study(tmp_path / "a.db", name="a").close()
+            made.append(1)
+        except BadInput as error:
+            refusals.append(str(error))
+
+    rivals = [threading.Thread(target=create) for _ in range(4)]
+    for rival in rivals:
+        rival.start()
+    for rival in rivals:
+        rival.join()
+    assert (len(made), len(refusals)) == (1, 3)
+    assert all("exists already" in sentence for sentence in refusals)
+    study.open_study(tmp_path / "a.db").close()

@@ -89,4 +89,3 @@ def _section(table: str) -> tuple[str, str]:
 
     words = "Votes of one volunteer, the semantic classes that ship with the six bundled pairs (lenient rule)."
     return "Precision on the bundled examples", f"<p>{escape(words)}</p><pre>{escape(table)}</pre>"
-

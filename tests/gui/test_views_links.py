@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from gui.views.links import contains, convex_hull, distance_to_segments, hit_inside, hit_outline, lay_out, polygon_area
+from gui.views.links import hit_inside, hit_outline, lay_out
+from gui.views.planar import contains, convex_hull, distance_to_segments, polygon_area
 from gui.views.scene import Link
 
 SOURCE, TARGET = np.array([[10.0, 10], [10, 90]]), np.array([[210.0, 10], [210, 90]])

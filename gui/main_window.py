@@ -52,6 +52,7 @@ def window_style(colours: Theme) -> str:
     QFrame#message-bar {{ background: {colours.raised}; border: none; border-bottom: 2px solid {colours.wrong}; }}
     QWidget#status-line QToolButton {{ padding: 4px 8px; }}
     QWidget#status-line QToolButton::menu-indicator {{ image: none; }}
+    QTableView#matches QHeaderView::section {{ padding: 4px 2px; }}
     QPushButton#plain {{ border: none; background: transparent; color: {colours.soft_ink}; padding: 2px 4px; }}
     QPushButton#plain:hover {{ color: {colours.ink}; text-decoration: underline; }}
     QMenuBar {{ background: {colours.panel}; border-bottom: 1px solid {colours.line}; }}

@@ -24,9 +24,9 @@ def short_union(names: Sequence[int | str], segments: Sequence[int]) -> str:
 
 
 def short_text(match: Match, result: MatchResult) -> str:
-    """'1 → {2,3}', for the list."""
+    """'1→{2,3}', for the list."""
     source, target = result.source.segments, result.target.segments
-    return f"{short_union(source, match.source)} → {short_union(target, match.target)}"
+    return f"{short_union(source, match.source)}→{short_union(target, match.target)}"
 
 
 def match_text(match: Match, result: MatchResult) -> str:

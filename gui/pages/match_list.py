@@ -89,6 +89,7 @@ class MatchList(QTableView):
         super().__init__(parent)
         self.rows = MatchModel(self)
         self.setModel(self.rows)
+        self.setObjectName("matches")
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
@@ -106,7 +107,7 @@ class MatchList(QTableView):
         head.setHighlightSections(False)
         head.setSectionsClickable(True)
         head.setMinimumSectionSize(24)
-        for column, width in ((0, 26), (2, 48), (3, 48), (4, 50)):
+        for column, width in ((0, 26), (2, 44), (3, 42), (4, 44)):
             head.setSectionResizeMode(column, QHeaderView.ResizeMode.Fixed)
             self.setColumnWidth(column, width)
         head.setSectionResizeMode(1, QHeaderView.ResizeMode.Stretch)

@@ -179,7 +179,8 @@ class ResultsPage(QWidget):
         self.empty.setText("No match has been judged in this study yet. Judge some on the page Shapes with J and F.")
         starred = "* Pairs of this row were matched with different parameters. " if any(
             row.parameter_sets > 1 for row in content.rows) else ""  # fmt: skip
-        self.notes.setText(starred + agreement_line(content.votes) if some else "")
+        legend = "The dot is the precision, the line its 95 % interval, the band what the undecided could make of it.\n"
+        self.notes.setText(legend + starred + agreement_line(content.votes) if some else "")
         self.csv.setEnabled(some)
         self.markdown.setEnabled(some)
 

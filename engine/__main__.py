@@ -78,7 +78,8 @@ def build_app(draw: PictureMaker = no_pictures) -> App:
         pairs: int = 1,
         seed: int = 0,
         variant: str = "touching",
-        segments: str = "8-16",
+        segments: str = "10-16",
+        pose: str = "upright",
     ) -> None:
         """Write generated pairs of shapes with known truth: meshes, over-segmented labels and semantic labels.
 
@@ -96,12 +97,17 @@ def build_app(draw: PictureMaker = no_pictures) -> App:
             touching (parts share no vertices) or welded (one surface).
         segments
             Fewest and most segments of a shape, as LOW-HIGH.
+        pose
+            upright, or turned (each shape rotated at random).
         """
         from .shapes.families.collection import make_collection
 
         folder = output_folder(out)
-        written = make_collection(folder, families=family or (), count=pairs, seed=seed, variant=variant, segments=segments)
-        print(f"{len(written)} shapes written to {folder}")
+        with progress_bar() as progress:
+            written = make_collection(
+                folder, families=family or (), count=pairs, seed=seed, variant=variant, segments=segments, pose=pose,
+                progress=progress)  # fmt: skip
+        print(f"{len(written)} meshes written to {folder}, with their labels (.seg) and truth (.sem)")
 
     return app
 

@@ -6,7 +6,14 @@ import numpy as np
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (registers the drawing back end)
 from PySide6.QtGui import QImage
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
-from vtkmodules.vtkCommonCore import VTK_FLOAT, reference, vtkFloatArray, vtkPoints, vtkUnsignedCharArray
+from vtkmodules.vtkCommonCore import (
+    VTK_FLOAT,
+    reference,
+    vtkFloatArray,
+    vtkLogger,
+    vtkPoints,
+    vtkUnsignedCharArray,
+)
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData, vtkStaticCellLocator
 from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
 from vtkmodules.vtkInteractionStyle import vtkInteractorStyleTrackballCamera
@@ -22,6 +29,9 @@ from vtkmodules.vtkRenderingUI import vtkGenericRenderWindowInteractor
 from ..palette import Theme, rgb
 from .cameras import VIEW_ANGLE, Camera
 from .scene import Scene, borders, colour_groups
+
+# Without a display VTK warns that it falls back from X to EGL; only its errors are worth a line.
+vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
 
 _HIDDEN_BY = 0.02
 _SAMPLES_STILL = 4

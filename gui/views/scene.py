@@ -91,10 +91,15 @@ def face_areas(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 def unit_box(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Vertices (n, 3) moved and scaled so that those in use fill the box [-1/2, 1/2] along its longest side."""
-    used = vertices[np.unique(faces)]
-    low, high = used.min(axis=0), used.max(axis=0)
-    return np.nan_to_num((vertices - (low + high) / 2) / (high - low).max())
+    """Vertices (n, 3) moved and scaled so that those in use fill the box [-1/2, 1/2] along its longest side.
+
+    Vertices that no face uses may be anything, even NaN, and are put at the origin.
+    """
+    rows = np.unique(faces)
+    low, high = vertices[rows].min(axis=0), vertices[rows].max(axis=0)
+    points = np.zeros(vertices.shape)
+    points[rows] = (vertices[rows] - (low + high) / 2) / (high - low).max()
+    return points
 
 
 def anchors(centroid: np.ndarray, area: np.ndarray, labels: np.ndarray, count: int) -> np.ndarray:

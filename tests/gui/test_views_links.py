@@ -36,6 +36,9 @@ def test_a_click_hits_the_nearest_line_within_reach():
     assert hit_outline(shapes, np.array([100.0, 13.0])) == "top"
     assert hit_outline(shapes, np.array([100.0, 86.0])) == "bottom"
     assert hit_outline(shapes, np.array([100.0, 50.0])) is None
+    close = placed(Link("level", (0,), (0,)), Link("slanted", (0,), (1,)))
+    assert hit_outline(close, np.array([18.0, 10.5])) == "level"
+    assert hit_outline(close, np.array([18.0, 13.0])) == "slanted"
     assert hit_outline(shapes, np.array([100.0, 16.0])) is None
 
 

@@ -128,6 +128,26 @@ def test_the_selected_link_is_thick_and_the_others_fade(pair):
     assert (amount(LIGHT.correct), amount(LIGHT.wrong)) == (blue, red)
 
 
+def test_the_selected_link_has_a_light_halo(pair):
+    pair.set_theme(DARK)
+    pair.set_links([LINK])
+    pair.set_selected("a")
+    middle = ((place(pair, 0, 0) + place(pair, 1, 2)) / 2).round().astype(int)
+    column = pixels(pair).reshape(300, 600, 3)[middle[1] - 8 : middle[1] + 9, middle[0]]
+    assert column.min(axis=1).max() > 230
+
+
+def test_a_double_click_resets_one_shape_or_both_if_linked(pair, qtbot):
+    homes = [pane.camera.position for pane in pair._drawing.panes]
+    for linked, reset in ((False, [True, False]), (True, [True, True])):
+        pair.set_linked_cameras(linked)
+        for pane in pair._drawing.panes:
+            pane.camera = pane.camera._replace(position=np.array([0.0, 0.0, 3.0]))
+        qtbot.mouseDClick(pair, Qt.MouseButton.LeftButton, pos=QPoint(20, 20))
+        now = [pane.camera.position for pane in pair._drawing.panes]
+        assert [bool(np.allclose(a, b)) for a, b in zip(now, homes, strict=True)] == reset
+
+
 def test_highlight_and_layers_recolour_and_give_back(pair, qtbot):
     qtbot.waitUntil(lambda: not pair._moving)
     before = pixels(pair)
@@ -258,8 +278,12 @@ def test_a_closed_view_lets_its_drawing_go(qtbot, make_bar):
     view = MeshPairView(probe=lambda: None)
     view.set_shapes(make_bar(), make_bar())
     view.grab()
-    drawing = weakref.ref(view._drawing)
+    drawing, closed = weakref.ref(view._drawing), []
+    for pane in view._drawing.panes:
+        pane.close = lambda close=pane.close: (close(), closed.append(1))
     view.shutdown()
+    assert closed == [1, 1]
+    del pane
     gc.collect()
     assert drawing() is None
     assert not view.scenes_shown

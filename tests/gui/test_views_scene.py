@@ -22,8 +22,10 @@ def test_the_longest_side_fills_the_unit_box(bar):
 
 
 def test_unused_vertices_do_not_count(bar):
-    more = np.vstack([bar.mesh.vertices, [[1e6, 0, 0]]])
-    assert np.allclose(unit_box(more, bar.mesh.faces)[:-1], unit_box(bar.mesh.vertices, bar.mesh.faces))
+    more = np.vstack([bar.mesh.vertices, [[1e6, np.nan, np.inf]]])
+    boxed = unit_box(more, bar.mesh.faces)
+    assert np.allclose(boxed[:-1], unit_box(bar.mesh.vertices, bar.mesh.faces))
+    assert boxed[-1].tolist() == [0, 0, 0]
 
 
 def test_links_end_on_their_own_segment(bar):

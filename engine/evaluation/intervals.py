@@ -7,6 +7,8 @@ import numpy as np
 from ..arrays import frozen_array
 from ..errors import BadParameter
 
+ONE_CLUSTER = "Wilson, one pair only"
+
 
 class Interval(NamedTuple):
     """Bounds in [0, 1] and how they were found."""
@@ -33,7 +35,7 @@ def clustered_interval(successes: object, trials: object, confidence: float = 0.
     if len(n) == 0:
         return None
     if len(n) == 1:
-        return wilson(int(k[0]), int(n[0]), confidence)._replace(method="Wilson, one pair only")
+        return wilson(int(k[0]), int(n[0]), confidence)._replace(method=ONE_CLUSTER)
     if k.sum() in (0, n.sum()):
         return clopper_pearson(float(k.sum()), float(n.sum()), len(n), confidence)
     if (k * n.sum() == n * k.sum()).all():

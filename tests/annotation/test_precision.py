@@ -54,6 +54,15 @@ def test_nothing_judged_is_unknown_not_wrong(tmp_path):
     assert "no match has been judged by two volunteers" in text
 
 
+def test_the_interval_of_a_single_pair_says_how_little_it_says(tmp_path, judged):
+    with study_of(tmp_path / "one.db") as handle:
+        vote(handle, "anna", foot="c", stem="w")
+        text = render(precision_table(handle), ballots(handle))
+    assert "Wilson, one pair only" in text
+    assert "single pair" in text
+    assert "single pair" not in render(precision_table(judged), ballots(judged))
+
+
 def test_one_vote_serves_both_methods(judged):
     study.add_result(judged, result(((0,), (0,)), ((0, 1), (0, 1)), preset="thesis-rigid"), set_name="lamps")
     rows = {row.preset: row for row in precision_table(judged)}

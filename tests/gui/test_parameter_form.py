@@ -2,7 +2,7 @@
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtWidgets import QCheckBox, QComboBox, QDoubleSpinBox, QSlider
+from PySide6.QtWidgets import QCheckBox, QComboBox, QDoubleSpinBox
 
 from engine.parameters import Parameters, declared, parameter
 from engine.shapes.parameters import PRESETS, MatchParameters, preset

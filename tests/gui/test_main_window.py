@@ -1,0 +1,529 @@
+"""The whole window on small files: matching, selecting, judging, exporting, bad input, and closing."""
+
+import csv
+import gc
+import json
+import random
+import sqlite3
+import sys
+import weakref
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication, QDialog, QLabel, QPushButton
+
+from annotation import study
+from engine.shapes.families.collection import off_text
+from gui import actions
+from gui.main_window import MainWindow
+from gui.pages.arrange import arranged
+
+
+def write_bar(folder, shape, name):
+    path = folder / f"{name}.off"
+    path.write_text(off_text(shape.mesh))
+    path.with_suffix(".seg").write_text("\n".join(map(str, shape.segmentation.labels)))
+    return str(path)
+
+
+@pytest.fixture
+def files(tmp_path, make_bar):
+    folder = tmp_path / "bars"
+    folder.mkdir()
+    return write_bar(folder, make_bar(5), "long"), write_bar(folder, make_bar(4), "short")
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory):
+    return str(tmp_path_factory.mktemp("cache"))
+
+
+@pytest.fixture
+def window(qtbot, tmp_path, monkeypatch, cache):
+    monkeypatch.setenv("CONCORD_DATA", str(tmp_path / "data"))
+    monkeypatch.setenv("CONCORD_CACHE", cache)
+    made = MainWindow(dark=False)
+    made.furnish()
+    qtbot.addWidget(made)
+    made.show()
+    made.activateWindow()
+    qtbot.waitUntil(made.isActiveWindow)
+    qtbot.waitUntil(lambda: made.judging.handle is not None)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def ready(window, files, qtbot):
+    window.files.pair(*files)
+    settle(window, qtbot)
+    assert window.session.state.result is not None, window.messages.text.text()
+    assert len(window.session.state.result.ids) >= 4
+    return window
+
+
+def settle(window, qtbot):
+    qtbot.waitUntil(lambda: not window.jobs.busy() and not window.study_jobs.busy(), timeout=60_000)
+
+
+def rows(window):
+    state = window.session.state
+    return [m.id for m in arranged(state.matches(), state.shown, state.order, state.verdicts)]
+
+
+def votes(window):
+    """The votes as another program reads them from the file, while the window is open."""
+    with sqlite3.connect(f"file:{window.session.state.study}?mode=ro", uri=True) as connection:
+        return dict(connection.execute("SELECT item_id, answer FROM current_vote WHERE volunteer = ?",
+                                       (window.session.state.volunteer,)))  # fmt: skip
+
+
+def press(window, qtbot, key):
+    qtbot.keyClick(window.shapes.view if window.page == "shapes" else window.study.view, key)
+
+
+# --- matching
+
+
+def test_two_files_are_matched_listed_and_drawn(ready):
+    assert ready.shapes.view.scenes_shown
+    assert ready.shapes.list.rows.rowCount() == len(ready.session.state.result.ids)
+    assert "judged yet" in ready.status.text.text()
+    assert ready.windowTitle().startswith("long – short")
+    assert ready.session.state.set_name == "bars"
+
+
+def test_list_view_and_state_select_the_same_match(ready, qtbot):
+    ids = rows(ready)
+    ready.shapes.list.selectRow(1)
+    assert ready.session.state.selected == ids[1]
+    ready.shapes.view.link_clicked.emit(ids[2])
+    assert ready.session.state.selected == ids[2]
+    assert ready.shapes.list.currentIndex().row() == 2
+    assert ready.shapes.view._drawing.selected == ids[2]
+    ready.shapes.view.background_clicked.emit()
+    assert ready.session.state.selected == ""
+    assert not ready.shapes.list.selectionModel().hasSelection()
+
+
+def test_a_segment_selects_a_match_that_holds_it(ready):
+    match = ready.session.state.matches()[0]
+    ready.shapes.view.segment_clicked.emit(1, match.target[0])
+    chosen = ready.session.state.match(ready.session.state.selected)
+    assert match.target[0] in chosen.target
+    assert len(chosen.source + chosen.target) <= len(match.source + match.target)
+
+
+def test_filter_and_order_reach_list_and_view(ready):
+    ready.session.update(shown="single")
+    shown = {link.id for link in ready.shapes.view._drawing.links}
+    assert shown == set(rows(ready)) == {m.id for m in ready.session.state.matches() if len(m.source + m.target) == 2}
+    ready.session.update(shown="all", order="-score")
+    scores = [m.score for m in ready.shapes.list.rows.rows]
+    assert scores == sorted(scores)
+
+
+def test_a_live_slider_changes_the_matches_without_describing_again(ready, qtbot):
+    proposals = ready.session.state.proposals
+    slider = ready.shapes.form.rows["bottom_min"].slider
+    slider.setValue(slider.maximum())
+    settle(ready, qtbot)
+    state = ready.session.state
+    assert state.parameters.bottom_min == state.result.parameters.bottom_min == 1.0
+    assert state.proposals is proposals
+    assert "●" in ready.status.preset.text()
+
+
+def test_an_expensive_parameter_describes_again(ready, qtbot):
+    before = ready.session.state.proposals
+    ready.matching.edit("layers", 4, True)
+    settle(ready, qtbot)
+    assert ready.session.state.proposals is not before
+    assert ready.session.state.proposals.source.layers.layers == 4
+
+
+def test_presets_and_undo_bring_the_results_along(ready, qtbot):
+    first = ready.session.state.result
+    ready.matching.choose_preset("thesis-rigid")
+    settle(ready, qtbot)
+    second = ready.session.state.result
+    assert second.method == "thesis"
+    ready.session.undo()
+    assert ready.session.state.result is first
+    assert ready.shapes.presets.currentText() == "top-down"
+    ready.session.redo()
+    assert ready.session.state.result is second
+    assert not ready.jobs.busy()
+
+
+def test_stopping_goes_back_to_the_parameters_of_the_shown_matches(ready, qtbot):
+    shown = ready.session.state.result
+    ready.matching.edit("light_fields", 10, True)
+    assert ready.jobs.busy("match")
+    ready.stop()
+    settle(ready, qtbot)
+    qtbot.wait(50)
+    assert ready.session.state.result is shown
+    assert ready.session.state.parameters == shown.parameters
+
+
+def test_layers_and_nodes_can_be_walked(ready):
+    ready.shapes.step_layer(1)
+    assert ready.shapes.layers.words.text() == "layer 1 of 8 · 5 + 4 nodes"
+    links = ready.shapes.view._drawing.links
+    assert links
+    assert all(1 in (m.source_layer, m.target_layer) for m in map(ready.session.state.match, [x.id for x in links]))
+    ready.shapes.step_node(1)
+    assert ready.shapes.layers.node_words.text() == "node 1 of 9 · source 0"
+    assert ready.shapes.view._drawing.links == ()
+    ready.shapes.step_layer(-5)
+    assert ready.session.state.layer == 0
+    assert len(ready.shapes.view._drawing.links) == len(ready.session.state.result.ids)
+
+
+# --- judging
+
+
+def test_votes_by_keys_are_on_the_disk_before_the_next_match_shows(ready, qtbot):
+    ids, seen = rows(ready), []
+    ready.step_match(1)
+    ready.session.changed.connect(
+        lambda old, new, names: seen.append((old.selected, votes(ready))) if "selected" in names else None
+    )
+    for key in (Qt.Key.Key_J, Qt.Key.Key_F, Qt.Key.Key_Space):
+        press(ready, qtbot, key)
+        settle(ready, qtbot)
+    assert votes(ready) == dict(zip(ids, ("correct", "wrong", "unsure"), strict=False))
+    assert [shown for shown, _ in seen] == ids[:3]
+    assert all(shown in on_disk for shown, on_disk in seen)
+    assert ready.session.state.selected == ids[3]
+    assert "2 of" in ready.status.text.text()
+    assert ready.shapes.judge.state.text() == "saved ✓"
+
+
+def test_backspace_takes_votes_back_one_by_one(ready, qtbot):
+    ids = rows(ready)
+    ready.step_match(1)
+    for key in (Qt.Key.Key_J, Qt.Key.Key_J, Qt.Key.Key_Backspace, Qt.Key.Key_Backspace, Qt.Key.Key_Backspace):
+        press(ready, qtbot, key)
+        settle(ready, qtbot)
+    assert votes(ready) == {}
+    assert ready.session.state.selected == ids[0]
+    assert ready.session.state.verdicts == {}
+
+
+def test_volunteers_vote_side_by_side_and_a_tie_stays_a_tie(ready, qtbot):
+    first = rows(ready)[0]
+    for code, key in (("ana", Qt.Key.Key_J), ("ben", Qt.Key.Key_F)):
+        ready.shapes.judge.code.setText(code)
+        ready.shapes.judge.code.editingFinished.emit()
+        settle(ready, qtbot)
+        assert ready.session.state.answers == {}
+        ready.session.update(selected=first)
+        press(ready, qtbot, key)
+        settle(ready, qtbot)
+    assert ready.session.state.verdicts == {first: "tie"}
+    ready.session.update(volunteer="ana")
+    settle(ready, qtbot)
+    assert ready.session.state.answers == {first: "correct"}
+
+
+def test_a_bad_code_is_refused_and_the_old_one_stays(ready):
+    ready.shapes.judge.code.setText("no spaces please")
+    ready.shapes.judge.code.editingFinished.emit()
+    assert ready.messages.isVisible()
+    assert ready.session.state.volunteer == "me"
+
+
+def test_letters_typed_into_a_field_are_no_votes(ready, qtbot):
+    ready.step_match(1)
+    ready.shapes.judge.code.setFocus()
+    ready.shapes.judge.code.clear()
+    qtbot.keyClicks(ready.shapes.judge.code, "jf")
+    settle(ready, qtbot)
+    assert ready.shapes.judge.code.text() == "jf"
+    assert ready.session.state.answers == {}
+
+
+def test_votes_outlive_the_window(ready, qtbot, files):
+    ready.step_match(1)
+    press(ready, qtbot, Qt.Key.Key_J)
+    voted = ready.session.state.study
+    ready.close()  # while it may still be saving
+    with study.open_study(voted) as handle:
+        assert list(study.answers(handle, "me").values()) == ["correct"]
+
+
+def test_a_locked_study_loses_nothing_and_says_so(ready, qtbot, monkeypatch):
+    ready.step_match(1)
+    press(ready, qtbot, Qt.Key.Key_J)
+    settle(ready, qtbot)
+    ready.judging.handle.close()
+    ready.judging.handle = study.open_study(ready.session.state.study, busy_seconds=0.1)
+    before, selected = votes(ready), ready.session.state.selected
+    other = sqlite3.connect(ready.session.state.study, isolation_level=None)
+    other.execute("BEGIN IMMEDIATE")
+    press(ready, qtbot, Qt.Key.Key_F)
+    settle(ready, qtbot)
+    assert "held by another program" in ready.messages.text.text()
+    assert ready.session.state.selected == selected
+    other.execute("ROLLBACK")
+    other.close()
+    assert votes(ready) == before
+    press(ready, qtbot, Qt.Key.Key_F)
+    settle(ready, qtbot)
+    assert votes(ready) == {**before, selected: "wrong"}
+
+
+def test_a_damaged_study_is_refused_and_the_open_one_stays(ready, qtbot, tmp_path):
+    damaged = tmp_path / "broken.db"
+    damaged.write_bytes(b"this is no database" * 100)
+    handle, before = ready.judging.handle, ready.session.state.study
+    ready.judging.open(damaged)
+    settle(ready, qtbot)
+    assert "broken.db" in ready.messages.text.text()
+    assert ready.judging.handle is handle
+    assert ready.session.state.study == before
+    assert damaged.read_bytes() == b"this is no database" * 100
+
+
+def test_a_new_study_starts_empty_and_the_old_votes_come_back(ready, qtbot, tmp_path):
+    own = ready.session.state.study
+    ready.step_match(1)
+    press(ready, qtbot, Qt.Key.Key_J)
+    settle(ready, qtbot)
+    ready.judging.open(tmp_path / "fresh.db", create=True)
+    settle(ready, qtbot)
+    assert ready.session.state.answers == {}
+    ready.judging.open(own)
+    settle(ready, qtbot)
+    assert list(ready.session.state.answers.values()) == ["correct"]
+
+
+# --- the voting page and the results
+
+
+def test_the_voting_page_asks_everything_once_and_thanks(ready, qtbot):
+    ready.judging.enrol()
+    settle(ready, qtbot)
+    ready.show_page("study")
+    settle(ready, qtbot)
+    assert not ready.status.isVisible()
+    asked = []
+    for _ in ready.session.state.result.ids:
+        asked.append(ready.study.question.item.id)
+        press(ready, qtbot, Qt.Key.Key_F)
+        settle(ready, qtbot)
+        assert asked[-1] in votes(ready)
+    assert sorted(asked) == sorted(ready.session.state.result.ids)
+    assert ready.study.question is None
+    assert "All done" in ready.study.view._message
+    press(ready, qtbot, Qt.Key.Key_Backspace)
+    settle(ready, qtbot)
+    assert ready.study.question.item.id == asked[-1]
+    assert asked[-1] not in votes(ready)
+
+
+def test_the_voting_page_shows_no_method_score_or_verdict(ready, qtbot):
+    ready.judging.enrol()
+    settle(ready, qtbot)
+    ready.show_page("study")
+    settle(ready, qtbot)
+    texts = " ".join(w.text() for kind in (QLabel, QPushButton) for w in ready.findChildren(kind) if w.isVisible())
+    for word in ("thesis", "top-down", "precision", "majority", "score", "votes"):
+        assert word not in texts.lower()
+    assert ready.study.view._drawing.links == ()
+
+
+def test_the_voting_page_finds_shapes_again_or_says_which_are_missing(ready, qtbot, files):
+    ready.judging.enrol()
+    settle(ready, qtbot)
+    ready.session.update(source=None, target=None, proposals=None, result=None)
+    ready.show_page("study")
+    settle(ready, qtbot)
+    assert {shape.mesh.name for shape in ready.study.question.shapes} == {"long", "short"}
+    ready.study._kept.clear()
+    with open(files[0], "a") as file:
+        file.write("# the same mesh\n")
+    ready.show_page("study")
+    settle(ready, qtbot)
+    assert ready.study.question is not None
+    ready.study._kept.clear()
+    with open(files[0], "w") as file:
+        file.write("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    ready.show_page("study")
+    settle(ready, qtbot)
+    assert ready.study.question is None
+    assert "long.off" in ready.study.view._message
+
+
+def test_the_table_of_results_follows_the_votes(ready, qtbot, tmp_path):
+    ready.step_match(1)
+    for key in (Qt.Key.Key_J, Qt.Key.Key_J, Qt.Key.Key_F):
+        press(ready, qtbot, key)
+        settle(ready, qtbot)
+    ready.show_page("results")
+    settle(ready, qtbot)
+    (row,) = ready.results.content.rows
+    assert (row.method, row.set_name, row.correct, row.wrong) == ("top-down", "bars", 2, 1)
+    ready.results.export(tmp_path / "table.csv", "csv")
+    with open(tmp_path / "table.csv", newline="") as file:
+        (line,) = csv.DictReader(file)
+    assert float(line["micro_precision"]) == pytest.approx(2 / 3)
+    ready.results.export(tmp_path / "nowhere" / "table.csv", "csv")
+    assert ready.messages.isVisible()
+
+
+# --- files
+
+
+def test_a_figure_and_the_matches_are_written(ready, tmp_path):
+    for ending in ("png", "svg", "pdf"):
+        ready.attempt(lambda e=ending: ready.shapes.view.save_figure(tmp_path / f"figure.{e}"), "written")
+        assert (tmp_path / f"figure.{ending}").stat().st_size > 1000
+    out = tmp_path / "out"
+    out.mkdir()
+    ready.files.write_result(out)
+    content = json.loads((out / "matches.json").read_text())
+    assert [m["id"] for m in content["matches"]] == list(ready.session.state.result.ids)
+    ready.files.write_result(out / "matches.json" / "below a file")
+    assert ready.messages.isVisible()
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [("", "empty"), ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", ""), ("no mesh at all", ""),
+     ("OFF\n3 1 0\n0 0 nan\n1 0 0\n0 1 0\n3 0 1 2\n", ""), (None, "")],
+)  # fmt: skip
+def test_bad_files_are_messages_and_the_pair_stays(ready, qtbot, tmp_path, files, content, said):
+    bad = tmp_path / "bad.off"
+    if content is not None:
+        bad.write_text(content)
+    before = ready.session.state
+    ready.files.drop([files[0], str(bad)])
+    settle(ready, qtbot)
+    assert ready.messages.isVisible()
+    sentence = ready.messages.text.text()
+    assert "bad" in sentence
+    assert said in sentence
+    assert "Traceback" not in sentence
+    assert "should not have" not in sentence
+    assert ready.session.state.source is before.source
+    assert ready.session.state.result is before.result
+    ready.messages.copy.click()
+    assert sentence in QApplication.clipboard().text()
+
+
+def test_one_segment_alone_is_a_message(ready, qtbot, tmp_path, make_bar, files):
+    ready.files.pair(write_bar(tmp_path, make_bar(1), "single"), files[1])
+    settle(ready, qtbot)
+    assert "one single segment" in ready.messages.text.text()
+    assert not ready.jobs.busy()
+
+
+def test_meshes_may_be_dropped_one_after_the_other(window, qtbot, files):
+    window.files.drop([files[0]])
+    assert "drop the target" in window.messages.text.text()
+    window.files.drop([files[1]])
+    settle(window, qtbot)
+    assert window.session.state.source.mesh.name == "long"
+    assert window.session.state.target.mesh.name == "short"
+    assert not window.messages.isVisible()
+
+
+def test_three_meshes_and_labels_alone_are_explained(window):
+    window.files.drop(["a.off", "b.off", "c.off"])
+    assert "3 meshes" in window.messages.text.text()
+    window.files.drop(["a.seg"])
+    assert "label file" in window.messages.text.text()
+
+
+def test_recent_files_are_remembered(ready, files):
+    ready._fill_recent()
+    assert [a.text() for a in ready.recent_menu.actions()] == ["long.off – short.off"]
+
+
+# --- the window
+
+
+def test_ids_and_keys_of_actions_are_unique():
+    ids = [row.id for row in actions.TABLE]
+    keys = [key for row in actions.TABLE for key in row.keys]
+    assert len(ids) == len(set(ids))
+    assert len(keys) == len(set(keys))
+    assert {row.menu for row in actions.TABLE} == set(actions.MENUS)
+    for row in actions.TABLE:
+        assert all(key in actions.keys_table() for key in row.keys)
+
+
+def test_dark_and_light_reach_every_page(ready, qtbot):
+    light = ready.shapes.view._theme.paper
+    ready.toggle_dark()
+    papers = {ready.shapes.view._theme.paper, ready.study.view._theme.paper}
+    assert len(papers) == 1
+    assert light not in papers
+    assert ready.results.delegate.dark
+    ready.toggle_dark()
+    assert ready.shapes.view._theme.paper == light
+
+
+def test_an_unexpected_error_is_a_message(window, qtbot):
+    try:
+        raise RuntimeError("a slot raised")
+    except RuntimeError as error:
+        sys.excepthook(type(error), error, error.__traceback__)
+    assert "a slot raised" in window.messages.text.text()
+    assert "test_an_unexpected_error" in window.messages.details
+
+
+def test_a_hundred_random_actions_leave_the_window_whole(ready, qtbot, monkeypatch):
+    unexpected = []
+    monkeypatch.setattr("sys.excepthook", lambda kind, error, trace: unexpected.append(error))
+    ready.jobs.failed.connect(lambda *texts: unexpected.append(texts))
+    ready.judging.failed.connect(lambda *texts: unexpected.append(texts))
+    rng = random.Random(20)
+    asks = {"open", "export-figure", "export-result", "new-study", "open-study", "volunteer", "quit"}
+    harmless = [row.id for row in actions.TABLE if row.id not in asks]
+    sliders = [row for row in ready.shapes.form.rows.values() if row.slider and row.info.live]
+
+    def edit():
+        row = rng.choice(sliders)
+        row.slider.setValue(rng.randint(0, row.slider.maximum()))
+
+    def pick():
+        ready.shapes.view.segment_clicked.emit(rng.randint(0, 1), rng.randint(0, 3))
+
+    for _ in range(100):
+        rng.choice([edit, pick, *[lambda name=name: ready.actions_by_id[name].trigger() for name in harmless]])()
+        QApplication.processEvents()
+        for dialog in ready.findChildren(QDialog):
+            dialog.reject()
+    settle(ready, qtbot)
+    assert unexpected == []
+    assert np.isfinite(ready.session.state.result.score).all()
+
+
+def test_closing_while_matching_leaves_nothing(qtbot, tmp_path, monkeypatch, files):
+    monkeypatch.setenv("CONCORD_DATA", str(tmp_path / "data"))
+    monkeypatch.setenv("CONCORD_CACHE", str(tmp_path / "cache"))
+
+    def live_and_go():
+        window = MainWindow(dark=True)
+        window.furnish()
+        window.show()
+        window.files.pair(*files)
+        qtbot.waitUntil(lambda: window.session.state.source is not None)
+        assert window.jobs.busy()
+        window.close()
+        assert not window.jobs.busy()
+        assert window.judging.handle is None
+        assert window.shapes.view._owned == []
+        window.deleteLater()
+        return weakref.ref(window), weakref.ref(window.shapes.view)
+
+    gone = live_and_go()
+    qtbot.wait(50)
+    gc.collect()
+    qtbot.wait(10)
+    assert [reference() for reference in gone] == [None, None]

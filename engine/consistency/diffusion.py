@@ -20,7 +20,7 @@ def stationary(degree: np.ndarray) -> np.ndarray:
 def greedy(
     pairs: np.ndarray,
     confidence: np.ndarray,
-    conflicts: Callable[[int], np.ndarray],
+    conflicts: Callable[[int, np.ndarray], np.ndarray],
     *,
     first: np.ndarray | None = None,
     least: float = 0.0,
@@ -32,7 +32,7 @@ def greedy(
     pairs, confidence
         (c, 2) int64 and (c,) float64.
     conflicts
-        `conflicts(a)` (c,) bool: the candidates that cannot stand beside the accepted candidate a.
+        `conflicts(a, others)` bool: which of the candidates `others` (rows) cannot stand beside the accepted row a.
     first
         Candidates (rows) that come before all others, in this order; they too must not conflict.
     least
@@ -42,14 +42,14 @@ def greedy(
     -------
     Rows of the accepted candidates, in the order of acceptance.
     """
-    alive = confidence > least
-    order = np.argsort(-confidence, kind="stable")
+    left = np.argsort(-confidence, kind="stable")
+    left = left[confidence[left] > least]
     if first is not None and len(first):
-        alive[first] = True
-        order = np.concatenate([first, order[~np.isin(order, first)]])
+        left = np.concatenate([first, left[~np.isin(left, first)]])
     accepted = []
-    for a in order:
-        if alive[a]:
-            accepted.append(int(a))
-            alive &= (pairs[:, 0] != pairs[a, 0]) & (pairs[:, 1] != pairs[a, 1]) & ~conflicts(int(a))
+    while len(left):
+        a = int(left[0])
+        accepted.append(a)
+        left = left[(pairs[left, 0] != pairs[a, 0]) & (pairs[left, 1] != pairs[a, 1])]
+        left = left[~conflicts(a, left)]
     return np.array(accepted, dtype=np.int64)

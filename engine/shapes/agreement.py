@@ -84,23 +84,41 @@ def overlap_agreement(
     return r, (low + 1e-6) / (high + 1e-6)
 
 
+def overlap_scores(
+    pairs: np.ndarray, g: np.ndarray, source: np.ndarray, target: np.ndarray, agree_from: float
+) -> np.ndarray:
+    """score(a) = g_a Σ_b relu((m_ab - from)/(1 - from)) g_b with m = r · ratio, over all other candidates b, (c,).
+
+    `pairs` (c, 2) must be sorted by the source, `g` (c,); `source` and `target` come from `pack`. In float32.
+    """
+    starts = np.searchsorted(pairs[:, 0], np.arange(len(source) + 1))
+    columns = np.ascontiguousarray(pairs[:, 1], dtype=np.int32)
+    weight = g.astype(np.float32)
+    planes = [np.ascontiguousarray(target[..., k]) for k in range(3)]
+    total = _overlap_sums(pairs[:, 0], columns, starts, weight, source, *planes, np.float32(agree_from))
+    r, ratio = overlap_agreement(source, target, pairs, pairs)
+    return g * np.maximum(total - np.maximum(r * ratio - agree_from, 0) * g, 0) / (1 - agree_from)
+
+
 @njit(cache=True, nogil=True, parallel=True, fastmath=True)
-def overlap_scores(pairs, g, source, target, agree_from):  # type: ignore[no-untyped-def]
-    """score(a) = g_a Σ_b relu((m_ab - from)/(1 - from)) g_b with m = r · ratio, over all other candidates b, (c,)."""
-    out = np.zeros(len(pairs))
-    slope = np.float32(1.0 / (1.0 - agree_from))
-    floor = np.float32(agree_from)
-    for a in prange(len(pairs)):
-        s, t = source[pairs[a, 0]], target[pairs[a, 1]]
-        total = 0.0
-        for b in range(len(pairs)):
-            x, y = pairs[b, 0], pairs[b, 1]
-            r = np.float32(1) - max(abs(s[x, 0] - t[y, 0]), abs(s[x, 1] - t[y, 1]))
-            if r <= floor or a == b:
-                continue
-            low, high = min(s[x, 2], t[y, 2]), max(s[x, 2], t[y, 2])
-            m = r * (low + np.float32(1e-6)) / (high + np.float32(1e-6))
-            if m > floor:
-                total += (m - floor) * slope * g[b]
-        out[a] = total * g[a]
+def _overlap_sums(rows, columns, starts, g, source, t_in, t_of, t_geo, floor):  # type: ignore[no-untyped-def]
+    """Σ_b relu(m_ab - from) g_b over all b, itself too; candidates of one source share what they read of it."""
+    count = len(columns)
+    out = np.zeros(count)
+    tiny, one, zero = np.float32(1e-6), np.float32(1), np.float32(0)
+    for i in prange(len(starts) - 1):
+        if starts[i] == starts[i + 1]:
+            continue
+        s_in, s_of, s_geo = np.empty(count, np.float32), np.empty(count, np.float32), np.empty(count, np.float32)
+        for b in range(count):
+            s_in[b], s_of[b], s_geo[b] = source[i, rows[b], 0], source[i, rows[b], 1], source[i, rows[b], 2]
+        for a in range(starts[i], starts[i + 1]):
+            inside, of, geo = t_in[columns[a]], t_of[columns[a]], t_geo[columns[a]]
+            total = zero
+            for b in range(count):
+                y = columns[b]
+                r = one - max(abs(s_in[b] - inside[y]), abs(s_of[b] - of[y]))
+                ratio = (min(s_geo[b], geo[y]) + tiny) / (max(s_geo[b], geo[y]) + tiny)
+                total += max(r * ratio - floor, zero) * g[b]
+            out[a] = total
     return out

@@ -6,7 +6,7 @@ from ..consistency.candidates import k_best
 from ..consistency.diffusion import greedy, stationary
 from ..consistency.voting import vote
 from .agreement import affinity_degrees, affinity_table, isometry
-from .hops import diameter
+from .hops import UNREACHABLE, diameter
 from .parameters import MatchParameters
 from .proposing import Proposals
 
@@ -15,17 +15,21 @@ class _Stage:
     """One run of diffusion pruning over some of the proposed pairs: regions, affinity and confidence."""
 
     def __init__(self, proposals: Proposals, rows: np.ndarray, similarity: np.ndarray, delta: float, p: MatchParameters):
-        self.pairs, self.similarity, self.c_2 = proposals.pairs[rows], similarity[rows], p.c_2
+        self.pairs, self.similarity = proposals.pairs[rows], similarity[rows]
         self.d_source, self.d_target = proposals.source.hops, proposals.target.hops
         self.reach = (int(delta * diameter(self.d_source) + 1e-9), int(delta * diameter(self.d_target) + 1e-9))
         self.table = affinity_table(self.reach[0], self.reach[1], p.c_0)
+        hops = np.arange(UNREACHABLE + 1)
+        inside = (hops[:, None] <= self.reach[0]) & (hops <= self.reach[1])
+        self.clash = inside & (isometry(hops[:, None], hops) < p.c_2)
         degree = affinity_degrees(self.pairs, self.similarity, self.d_source, self.d_target, self.table)
         self.confidence = stationary(degree)
 
-    def conflicts(self, a: int) -> np.ndarray:
-        """Candidates with both ends inside the local regions of a, whose isometry with a is below c₂, (c,) bool."""
-        p, q = self.d_source[self.pairs[a, 0], self.pairs[:, 0]], self.d_target[self.pairs[a, 1], self.pairs[:, 1]]
-        return (p <= self.reach[0]) & (q <= self.reach[1]) & (isometry(p, q) < self.c_2)
+    def conflicts(self, a: int, others: np.ndarray) -> np.ndarray:
+        """Which others have both ends inside the local regions of a, but an isometry with a below c₂."""
+        x, y = self.pairs[others].T
+        p, q = self.d_source[self.pairs[a, 0], x], self.d_target[self.pairs[a, 1], y]
+        return self.clash[p, q]
 
     def accept(self, first: np.ndarray | None = None) -> np.ndarray:
         """Rows accepted greedily, those in `first` before all others."""

@@ -27,8 +27,8 @@ def match_top_down(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray
     rows = np.flatnonzero(k_best(pairs, distance, p.K, side=0) | k_best(pairs, distance, p.K, side=1))
     scores = overlap_scores(pairs[rows], g[rows], proposals.packed_source, proposals.packed_target, p.agree_from)
 
-    def conflicts(a: int) -> np.ndarray:
-        r, ratio = _agree(proposals, pairs[rows[a]][None], pairs[rows])
+    def conflicts(a: int, others: np.ndarray) -> np.ndarray:
+        r, ratio = _agree(proposals, pairs[rows[a]], pairs[rows[others]])
         return (r < p.overlap_min) | (ratio < p.ratio_min)
 
     accepted = rows[greedy(pairs[rows], scores, conflicts)]
@@ -54,8 +54,7 @@ def _bottom_last(
     r, ratio = _agree(proposals, pairs[rows][:, None], taken[None])
     mean = (r * ratio).mean(axis=1)
     confidence = np.where(mean >= p.bottom_min, mean**2 * np.sqrt(g[rows]), 0.0)
-    none = np.zeros(len(rows), dtype=bool)
-    return rows[greedy(pairs[rows], confidence, lambda a: none)]
+    return rows[greedy(pairs[rows], confidence, lambda a, others: np.zeros(len(others), dtype=bool))]
 
 
 def _agree(proposals: Proposals, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -11,6 +11,7 @@ import argparse
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -57,7 +58,7 @@ def reruns() -> None:
         proposals = propose(*described, p)
         count = tuple(len(d.layers.members) for d in described)
         for name in ("thesis-rigid", "thesis-nonrigid", "top-down"):
-            seconds = best(lambda q=preset(name), found=proposals: rematch(found, q), 5)
+            seconds = best(partial(rematch, proposals, preset(name)), 5)
             print(f"re-run at {count[0]} x {count[1]} nodes, {name:<16}: {1000 * seconds:7.1f} ms")
 
 

@@ -34,6 +34,7 @@ from .palette import Theme, apply_theme, system_is_dark, theme
 if TYPE_CHECKING:
     from .session import State
 
+_SHOWN_DARK = "concord-shown-dark"
 PAGES = (("shapes", "Shapes"), ("study", "Study"), ("results", "Results"))
 
 
@@ -147,7 +148,7 @@ class MainWindow(QMainWindow):
         self._connect()
         self._fill_menus()
         self.furnished = True
-        self._apply_theme()
+        self._add_icons()
         self.show_page("shapes")
         self._changed(State(), self.session.state, frozenset({"preset", "parameters", "linked"}))
         self.judging.open()
@@ -382,12 +383,18 @@ class MainWindow(QMainWindow):
             self.session.update(dark=system_is_dark(QApplication.instance()))
 
     def _apply_theme(self) -> None:
-        colours = apply_theme(QApplication.instance(), self._dark)
+        app, colours = QApplication.instance(), theme(self._dark)
+        if app.property(_SHOWN_DARK) != self._dark:  # styling every widget again takes a third of a second
+            apply_theme(app, self._dark)
+            app.setProperty(_SHOWN_DARK, self._dark)
         self.setStyleSheet(window_style(colours))
         if self.furnished:
-            actions.add_icons(self.actions_by_id, colours.ink)
-            for name, button in self.rail_buttons.items():
-                button.setIcon(self.actions_by_id[f"page-{name}"].icon())
+            self._add_icons()
+
+    def _add_icons(self) -> None:
+        actions.add_icons(self.actions_by_id, theme(self._dark).ink)
+        for name, button in self.rail_buttons.items():
+            button.setIcon(self.actions_by_id[f"page-{name}"].icon())
 
     # --- files dropped beside the view, and the end
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +22,8 @@ class LinkShape:
 
     `ends` (2, 2) are the two ends of a line or the middles of both sides of a polygon; `outline` (p, 2) is the line or
     the polygon; `dots` (q, 2) the anchors of all its segments, seen or not (`seen` (q,) bool), those of the source
-    first, `sources` of them; `hidden` says that a whole side is out of sight; `symbol` (2,) is the place of its mark.
+    first; `hidden` says that a whole side is out of sight; `symbol` (2,) is the place of its mark;
+    a `folded` polygon is drawn as a thin line.
     """
 
     link: Link
@@ -30,15 +31,23 @@ class LinkShape:
     outline: np.ndarray
     dots: np.ndarray
     seen: np.ndarray
-    sources: int
     hidden: bool
     symbol: np.ndarray
+    folded: bool
 
 
 def lay_out(
-    links: Sequence[Link], source: np.ndarray, source_seen: np.ndarray, target: np.ndarray, target_seen: np.ndarray
+    links: Sequence[Link],
+    source: np.ndarray,
+    source_seen: np.ndarray,
+    target: np.ndarray,
+    target_seen: np.ndarray,
+    folded: Collection[str] = (),
 ) -> list[LinkShape]:
-    """Place links, given the projected anchors (s, 2), (t, 2) of all segments and which are seen (s,), (t,) bool."""
+    """Place links, given the projected anchors (s, 2), (t, 2) of all segments and which are seen (s,), (t,) bool.
+
+    Those whose id is in `folded` become thin lines.
+    """
     shapes: list[LinkShape] = []
     taken: list[tuple[float, float]] = []
     for link in links:
@@ -50,9 +59,32 @@ def lay_out(
         if marked(link):
             taken.append((float(symbol[0]), float(symbol[1])))
         hidden = not (seen[: len(a)].any() and seen[len(a) :].any())
-        outline = convex_hull(dots) if link.merged else ends
-        shapes.append(LinkShape(link, ends, outline, dots, seen, len(a), hidden, symbol))
+        fold = link.id in folded
+        outline = convex_hull(dots) if link.merged and not fold else ends
+        shapes.append(LinkShape(link, ends, outline, dots, seen, hidden, symbol, fold))
     return shapes
+
+
+def apart(links: Sequence[Link]) -> list[Link]:
+    """Links of which no two share a segment on either side, in the given order.
+
+    Fewest segments first, then the later ones, which are drawn on top: of nested unions the small ones say most.
+    """
+    order = sorted(range(len(links)), key=lambda row: (len(links[row].source) + len(links[row].target), -row))
+    chosen: list[int] = []
+    taken: tuple[set[int], set[int]] = (set(), set())
+    for row in order:
+        if not (taken[0].intersection(links[row].source) or taken[1].intersection(links[row].target)):
+            chosen.append(row)
+            taken[0].update(links[row].source)
+            taken[1].update(links[row].target)
+    return [links[row] for row in sorted(chosen)]
+
+
+def folded(links: Sequence[Link]) -> frozenset[str]:
+    """Ids of the polygons that would lie over others: all but a set of which no two share a segment."""
+    merged = [link for link in links if link.merged]
+    return frozenset(link.id for link in merged) - {link.id for link in apart(merged)}
 
 
 def marked(link: Link) -> bool:
@@ -88,5 +120,5 @@ def hit_outline(shapes: Sequence[LinkShape], point: np.ndarray, reach: float = R
 
 def hit_inside(shapes: Sequence[LinkShape], point: np.ndarray) -> str | None:
     """The smallest polygonal link that a point lies in, or None."""
-    inside = [s for s in shapes if s.link.merged and contains(s.outline, point)]
+    inside = [s for s in shapes if s.link.merged and not s.folded and contains(s.outline, point)]
     return min(inside, key=lambda s: polygon_area(s.outline)).link.id if inside else None

@@ -10,7 +10,6 @@ from PySide6.QtGui import QBrush, QColor, QFont, QPainter, QPainterPath, QPen, Q
 
 from ..palette import Theme, segment_colours
 from .links import LinkShape, marked
-from .scene import Link
 
 _DASHES = {"wrong": [5.0, 3.0], "tie": [1.0, 2.2]}
 _SYMBOL = 8.0
@@ -33,7 +32,7 @@ def paint_links(
         painter.setOpacity(_strength(shape, selected, hovered))
         own = coloured and not marked(shape.link)
         colour = _own(shape) if own else QColor(theme.state(shape.link.state))
-        width = line_width(shape.link, chosen or shape.link.id == hovered, own)
+        width = line_width(shape, chosen or shape.link.id == hovered, own)
         paint_link(painter, shape, theme, colour, width, chosen)
     painter.setOpacity(1.0)
 
@@ -41,7 +40,11 @@ def paint_links(
 def _strength(shape: LinkShape, selected: str | None, hovered: str | None) -> float:
     if shape.link.id in (selected, hovered):
         return 1.0
-    return (_FADED if selected is not None else 1.0) * (0.4 if shape.hidden else 1.0)
+    if selected is not None:
+        usual = _FADED / 2 if shape.folded else _FADED
+    else:
+        usual = 1.0 if not shape.folded else 0.6 if marked(shape.link) else 0.35
+    return usual * (0.4 if shape.hidden else 1.0)
 
 
 def paint_link(painter: QPainter, shape: LinkShape, theme: Theme, colour: QColor, width: float, selected: bool) -> None:
@@ -50,7 +53,7 @@ def paint_link(painter: QPainter, shape: LinkShape, theme: Theme, colour: QColor
     A link that fades behind the selected one is only a line or polygon.
     """
     faded = painter.opacity() <= _FADED
-    if shape.link.merged:
+    if len(shape.outline) > 2 and not faded:
         fill = _own(shape)
         fill.setAlphaF(0.42 if selected else 0.20)
         painter.fillPath(_polygon(shape), fill)
@@ -59,7 +62,7 @@ def paint_link(painter: QPainter, shape: LinkShape, theme: Theme, colour: QColor
         glow.setAlphaF(0.25)
         _stroke(painter, shape, _pen(glow, width + 12))
         _stroke(painter, shape, _pen(QColor(theme.halo), width + 4))
-    elif not faded:
+    elif not faded and not shape.folded:
         _stroke(painter, shape, _flat(_pen(QColor(theme.paper), width + 2)))
     pen = _flat(_pen(colour, width))
     if shape.link.state in _DASHES:
@@ -67,7 +70,8 @@ def paint_link(painter: QPainter, shape: LinkShape, theme: Theme, colour: QColor
     _stroke(painter, shape, pen)
     if faded:
         return
-    _paint_dots(painter, shape, theme, colour, selected)
+    if not shape.folded:
+        _paint_dots(painter, shape, theme, colour, selected)
     if marked(shape.link):
         _paint_symbol(painter, shape.link.state, shape.symbol, theme, colour)
 
@@ -89,11 +93,12 @@ def _own(shape: LinkShape) -> QColor:
     return QColor(*map(int, segment_colours(first + 1)[first]))
 
 
-def line_width(link: Link, strong: bool, coloured: bool = False) -> float:
+def line_width(shape: LinkShape, strong: bool, coloured: bool = False) -> float:
     """Width in pixels: judged links stand out from grey ones, and a better score is a little thicker."""
     if strong:
         return 4.0
-    return (2.2 if coloured or marked(link) else 1.3) + 0.7 * float(np.clip(link.score, 0.0, 1.0))
+    plain = 0.6 if shape.folded else 2.2 if coloured or marked(shape.link) else 1.3
+    return plain + 0.7 * float(np.clip(shape.link.score, 0.0, 1.0))
 
 
 def _polygon(shape: LinkShape) -> QPainterPath:

@@ -10,7 +10,7 @@ from PySide6.QtGui import QColor, QPainter
 
 from ..palette import Theme, rgb, segment_colours
 from .cameras import Camera, candidate_directions, fitting_distance, look_from, view_scores
-from .links import LinkShape, lay_out
+from .links import LinkShape, folded, lay_out
 from .painting import paint_caption, paint_links
 from .pane import Pane
 from .scene import Link, Scene, union_colours
@@ -28,7 +28,8 @@ class PairDrawing:
         self._coloured = coloured
         self.theme = theme
         self.panes = (Pane(theme), Pane(theme))
-        self.links: tuple[Link, ...] = ()
+        self._links: tuple[Link, ...] = ()
+        self._folded: frozenset[str] = frozenset()
         self.selected: str | None = None
         self.hovered: str | None = None
         self.captions = True
@@ -47,6 +48,15 @@ class PairDrawing:
         for pane, camera in zip(self.panes, self.home(aspect), strict=True):
             pane.camera = camera
         self._recolour()
+
+    @property
+    def links(self) -> tuple[Link, ...]:
+        """What is drawn between the shapes; polygons that would lie over others are folded to thin lines."""
+        return self._links
+
+    @links.setter
+    def links(self, links: Sequence[Link]) -> None:
+        self._links, self._folded = tuple(links), folded(links)
 
     def set_theme(self, theme: Theme) -> None:
         """Change between light and dark."""
@@ -113,7 +123,7 @@ class PairDrawing:
         for side, pane in enumerate(self.panes):
             xy, seen = pane.spots()
             places += [xy / scale + [side * _half(width), 0.0], seen]
-        return lay_out(self.links, *places)
+        return lay_out(self.links, *places, self._folded - {self.selected})
 
     def paint(self, painter: QPainter, width: int, height: int, scale: float, moving: bool = False) -> list[LinkShape]:
         """Draw everything into a rectangle of logical pixels, the shapes with `scale` device pixels each.

@@ -16,6 +16,7 @@ from engine.shapes.segmentation import SegmentedShape
 from .. import glprobe
 from ..palette import LIGHT, Theme, segment_colours
 from .figures import png_bytes
+from .links import apart
 from .scene import Link, links_of, prepare
 
 _app: QCoreApplication | None = None
@@ -67,28 +68,19 @@ def report_pictures(
 ) -> list[tuple[str, bytes]]:
     """Titles and PNGs for a report: all one-to-one matches as lines, and matches of merged nodes as polygons.
 
-    Many matches of merged nodes nest in each other; then only the best ones that share no segment are drawn.
+    Many matches of merged nodes nest in each other; then only small ones that share no segment are drawn.
     """
     links = links_of(result)
     merged = [link for link in links if link.merged]
-    apart = disjoint(merged)
+    shown = apart(merged)
     single = [link for link in links if not link.merged]
     pictures = [(_counted(len(single), "one-to-one match", "one-to-one matches"), single)]
     if merged:
         title = _counted(len(merged), "match of merged segments", "matches of merged segments")
-        if len(apart) < len(merged):
-            title += f"; shown are the best {len(apart)} that share no segment"
-        pictures.append((title, apart))
+        if len(shown) < len(merged):
+            title += f"; shown are {len(shown)} small ones that share no segment"
+        pictures.append((title, shown))
     return [(title, draw_pair(source, target, group, theme=theme)) for title, group in pictures]
-
-
-def disjoint(links: Sequence[Link]) -> list[Link]:
-    """Of links in rising order the best ones of which no two share a segment on either side, in the same order."""
-    chosen: list[Link] = []
-    for link in reversed(links):
-        if not any(set(link.source) & set(c.source) or set(link.target) & set(c.target) for c in chosen):
-            chosen.insert(0, link)
-    return chosen
 
 
 def _counted(count: int, one: str, many: str) -> str:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from gui.views.links import hit_inside, hit_outline, lay_out
+from gui.views.links import apart, folded, hit_inside, hit_outline, lay_out
 from gui.views.planar import contains, convex_hull, distance_to_segments, polygon_area
 from gui.views.scene import Link
 
@@ -72,3 +72,23 @@ def test_a_link_is_hidden_when_a_whole_side_is():
     assert line.hidden
     assert not union.hidden
     assert union.seen.tolist() == [False, True, True]
+
+
+def test_of_nested_unions_the_small_ones_stay_unfolded():
+    whole, pair, other, single = (
+        Link("whole", (0, 1, 2), (0, 1, 2), merged=True),
+        Link("pair", (0, 1), (1,), merged=True),
+        Link("other", (2,), (0, 2), merged=True),
+        Link("single", (0,), (1,)),
+    )
+    assert apart([whole, pair, other]) == [pair, other]
+    assert apart([pair, Link("better", (1,), (0, 1))])[0].id == "better"
+    assert folded([whole, single, pair, other]) == {"whole"}
+
+
+def test_a_folded_polygon_is_a_line_between_the_middles():
+    link = Link("m", (0, 1), (0, 1), merged=True)
+    (shape,) = lay_out([link], SOURCE, SEEN, TARGET, SEEN, {"m"})
+    assert shape.outline.tolist() == [[10, 50], [210, 50]]
+    assert hit_outline([shape], np.array([100.0, 52.0])) == "m"
+    assert hit_inside([shape], np.array([100.0, 60.0])) is None

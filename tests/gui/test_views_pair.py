@@ -128,6 +128,16 @@ def test_the_selected_link_is_thick_and_the_others_fade(pair):
     assert (amount(LIGHT.correct), amount(LIGHT.wrong)) == (blue, red)
 
 
+def test_a_folded_polygon_unfolds_when_it_is_selected(pair):
+    big, small = Link("big", (0, 1, 2), (0, 1), merged=True), Link("small", (0, 1), (1,), merged=True)
+    pair.set_links([big, small])
+    pair.grab()
+    assert [(s.folded, len(s.outline) > 2) for s in pair._shapes] == [(True, False), (False, True)]
+    pair.set_selected("big")
+    pair.grab()
+    assert [s.folded for s in pair._shapes] == [False, False]
+
+
 def test_the_selected_link_has_a_light_halo(pair):
     pair.set_theme(DARK)
     pair.set_links([LINK])

@@ -8,7 +8,7 @@ from engine.shapes.parameters import preset
 from engine.shapes.result import MatchResult, ShapeRecord
 from gui import glprobe
 from gui.views.inspector import NO_SCREEN, Inspector, describe
-from gui.views.pictures import disjoint, draw_pair, draw_shape, report_pictures
+from gui.views.pictures import draw_pair, draw_shape, report_pictures
 from gui.views.scene import Link, links_of, prepare
 
 
@@ -46,12 +46,6 @@ def test_a_report_shows_lines_and_polygons_apart(qapp, result, make_bar):
     assert [title for title, _ in pictures] == ["1 one-to-one match", "1 match of merged segments"]
     assert pictures[0][1] != pictures[1][1]
     assert all(png_size(data) == (2400, 1200) for _, data in pictures)
-
-
-def test_of_nested_unions_only_the_best_apart_are_drawn():
-    worst, middle, best = (Link("c", (2, 3), (0,)), Link("b", (0, 1), (0, 1)), Link("a", (1, 4), (3,)))
-    assert disjoint([worst, middle, best]) == [worst, best]
-    assert disjoint([worst, middle]) == [middle]
 
 
 def test_without_opengl_pictures_are_refused_in_one_sentence(monkeypatch, make_bar):

@@ -69,12 +69,12 @@ def _judge_examples(study: "StudyFile") -> "MatchResult":
             base = preset(DEFAULT_PRESET)
             described = [describe(shape, base, progress=share(step, 0.4 * k, 0.4 * k + 0.4), cache=cache)
                          for k, shape in enumerate(shapes)]  # fmt: skip
-            proposals = propose(*described, base, progress=share(step, 0.8, 1.0), cache=cache)
+            proposals = propose(described[0], described[1], base, progress=share(step, 0.8, 1.0), cache=cache)
             for choice in PRESETS:
                 result = rematch(proposals, preset(choice), preset=choice)
                 shown = shown or result
                 add_result(study, result, set_name=name)
-                _vote_by_truth(study, result, lenient_answers(*shapes, *labels, result))
+                _vote_by_truth(study, result, lenient_answers(shapes[0], shapes[1], labels[0], labels[1], result))
     assert shown is not None
     return shown
 

@@ -19,7 +19,7 @@ def result_to_json(result: MatchResult) -> dict[str, Any]:
     """The result as the JSON object of schema concord.matches/1.
 
     Segments are numbered by the sorted order of the labels in the input, and listed by those labels. `sha256` is the
-    hash of the arrays as they were read (see `engine.shapes.identity`), so re-exported files keep their votes.
+    hash of the arrays as they were read and `segmentation` that of the segments (see `engine.shapes.identity`).
     """
     return {
         "schema": SCHEMA,
@@ -43,7 +43,8 @@ def result_to_json(result: MatchResult) -> dict[str, Any]:
 
 
 def _shape(record: ShapeRecord) -> dict[str, Any]:
-    return {"file": record.file, "sha256": record.sha256, "segments": len(record.segments), "faces": record.faces}
+    return {"file": record.file, "sha256": record.sha256, "segments": len(record.segments), "faces": record.faces,
+            "segmentation": record.segmentation}  # fmt: skip
 
 
 def _labels(record: ShapeRecord, segments: Iterable[int]) -> list[int | str]:

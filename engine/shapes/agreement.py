@@ -94,8 +94,8 @@ def overlap_scores(
     starts = np.searchsorted(pairs[:, 0], np.arange(len(source) + 1))
     columns = np.ascontiguousarray(pairs[:, 1], dtype=np.int32)
     weight = g.astype(np.float32)
-    planes = [np.ascontiguousarray(target[..., k]) for k in range(3)]
-    total = _overlap_sums(pairs[:, 0], columns, starts, weight, source, *planes, np.float32(agree_from))
+    t_in, t_of, t_geo = (np.ascontiguousarray(target[..., k]) for k in range(3))
+    total = _overlap_sums(pairs[:, 0], columns, starts, weight, source, t_in, t_of, t_geo, np.float32(agree_from))
     r, ratio = overlap_agreement(source, target, pairs, pairs)
     return g * np.maximum(total - np.maximum(r * ratio - agree_from, 0) * g, 0) / (1 - agree_from)
 

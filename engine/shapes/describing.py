@@ -11,7 +11,7 @@ from ..errors import BadInput
 from ..progress import Progress, silent
 from ..store import Cache, cache_key
 from .hops import hop_distances
-from .identity import mesh_id, segment_ids
+from .identity import mesh_id, node_id, segment_ids
 from .lightfield import light_field_descriptors, quantile_signatures
 from .measures import Measures, measure
 from .multilayer import MultiLayerGraph, build_multilayer_graph
@@ -81,11 +81,12 @@ def describe(
         measures = measure(shape, graph, layers.members, parameters.seed)
     with watch("descriptors"):
         descriptors = _descriptors(shape, layers.members, parameters, progress, cache)
-    identity = mesh_id(shape.mesh)
-    record = ShapeRecord(shape.file, identity, shape.segmentation.names, len(shape.mesh.faces))
+    ids = segment_ids(shape.mesh, shape.segmentation)
+    record = ShapeRecord(
+        shape.file, mesh_id(shape.mesh), shape.segmentation.names, len(shape.mesh.faces), node_id(ids))  # fmt: skip
     notes = (*shape.notes, *notes, *([f"{shape.mesh.name}: {layers.capped}"] if layers.capped else []))
     return DescribedShape(
-        shape, record, segment_ids(shape.mesh, shape.segmentation), graph, layers, hops, measures, descriptors,
+        shape, record, ids, graph, layers, hops, measures, descriptors,
         quantile_signatures(descriptors), notes, watch.seconds)  # fmt: skip
 
 

@@ -16,6 +16,7 @@ class ShapeRecord(NamedTuple):
     sha256: str
     segments: tuple[int | str, ...]
     faces: int
+    segmentation: str = ""  # hash of the hashes of all segments: two segmentations of one mesh are two inputs
 
 
 class Match(NamedTuple):

@@ -142,3 +142,16 @@ def test_thesis_average_by_hand():
     for bad in (([], []), ([80], [1, 2]), ([80], [0])):
         with pytest.raises(BadParameter):
             thesis_average(*bad)
+
+
+@pytest.mark.parametrize(
+    ("percentages", "pairs", "mean", "deviation"),
+    [
+        ([85.2, 86.0, 86.2, 83.5], [30, 20, 11, 11], 85.315, 1.228),
+        ([76.7, 63.0, 71.3, 60.8], [30, 20, 11, 11], 69.640, 7.380),
+        ([97.2, 83.3, 85.3, 90.9], [3, 7, 6, 4], 87.505, 6.243),
+        ([59.0, 62.7, 81.6, 67.5], [3, 7, 6, 4], 68.775, 9.898),
+    ],
+)
+def test_the_eight_numbers_of_tables_3_1_and_3_2(percentages, pairs, mean, deviation):
+    assert thesis_average(percentages, pairs) == pytest.approx((mean, deviation), abs=6e-4)

@@ -42,7 +42,7 @@ def test_matches_json_has_exactly_the_keys_of_its_schema(result):
     assert set(content) == {"schema", "source", "target", "method", "preset", "parameters", "matches", "unmatched",
                             "graph", "seconds"}  # fmt: skip
     for side in ("source", "target"):
-        assert set(content[side]) == {"file", "sha256", "segments", "faces"}
+        assert set(content[side]) == {"file", "sha256", "segments", "faces", "segmentation"}
         assert content[side]["faces"] == 60
     assert set(content["graph"]) == {"source_nodes", "target_nodes"}
     assert set(content["unmatched"]) == {"source", "target"}

@@ -78,7 +78,7 @@ def report_pictures(
     if merged:
         title = _counted(len(merged), "match of merged segments", "matches of merged segments")
         if len(shown) < len(merged):
-            title += f"; shown are {len(shown)} small ones that share no segment"
+            title += f", {len(shown)} of them shown: the smallest that share no segment"
         pictures.append((title, shown))
     return [(title, draw_pair(source, target, group, theme=theme)) for title, group in pictures]
 

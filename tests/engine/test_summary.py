@@ -1,10 +1,8 @@
-"""Which matches are shown first."""
+"""Which matches follow from smaller ones."""
 
 import numpy as np
 
-from engine.shapes.matching import match_shapes
-from engine.shapes.parameters import preset
-from engine.shapes.summary import implied, overviews
+from engine.shapes.summary import implied
 
 
 def rows(*sets, count):
@@ -37,17 +35,3 @@ def test_the_definition_by_plain_loops():
                   and source[b].sum() + target[b].sum() < source[a].sum() + target[a].sum()]  # fmt: skip
         wanted = (source[inside].any(axis=0) >= source[a]).all() and (target[inside].any(axis=0) >= target[a]).all()
         assert found[a] == wanted
-
-
-def test_overviews_start_with_single_segments_and_do_not_overlap(lamp, coarse_lamp):
-    result = match_shapes(lamp, coarse_lamp, preset("top-down"))
-    groups = overviews(result)
-    size = result.source_members.sum(axis=1) + result.target_members.sum(axis=1)
-    assert (size[groups[0]] == 2).all()
-    assert len(groups) > 1
-    for group in groups[1:]:
-        assert (size[group] > 2).all()
-        assert (result.source_members[group].sum(axis=0) <= 1).all()
-        assert (result.target_members[group].sum(axis=0) <= 1).all()
-    every = np.concatenate(groups)
-    assert len(np.unique(every)) == len(every)

@@ -88,6 +88,7 @@ def test_the_inspector_needs_a_screen(qapp, make_bar):
         Inspector(make_bar())
 
 
+@pytest.mark.xvfb
 def test_the_inspector_picks_hides_and_isolates(qapp, qtbot, tmp_path, make_bar):
     if qapp.platformName() == "offscreen":
         pytest.skip("needs a screen: run with QT_QPA_PLATFORM=xcb under Xvfb")

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from engine.shapes.segmentation import SegmentedShape
 
 
-def open_window(*pair: str) -> int:
+def open_window(pair: Sequence[str] = (), labels: tuple[str | None, str | None] = (None, None)) -> int:
     """Open the window on a pair of files or on the example; 2 and one sentence where there can be no window."""
     from .display import problem
 
@@ -20,7 +20,7 @@ def open_window(*pair: str) -> int:
         return 2
     from .startup import run
 
-    return run(pair)
+    return run(pair, labels)
 
 
 def report_pictures(
@@ -52,15 +52,20 @@ def main(argv: Sequence[str] | None = None) -> int:
     app.command(study, name="study")
 
     @app.command(name="open")
-    def open_pair(source: Path, target: Path) -> int:
+    def open_pair(
+        source: Path, target: Path, *, source_labels: Path | None = None, target_labels: Path | None = None
+    ) -> int:
         """Open the window on two meshes.
 
         Parameters
         ----------
         source, target
-            Mesh files: OFF, OBJ, PLY, STL or GLB, with a .seg file of the same stem beside them if there is one.
+            Mesh files: OFF, OBJ, PLY, STL or GLB.
+        source_labels, target_labels
+            One integer a face; without it, a .seg file of the same stem, labels in the mesh file, or its components.
         """
-        return open_window(str(source), str(target))
+        first, second = (str(file) if file else None for file in (source_labels, target_labels))
+        return open_window((str(source), str(target)), (first, second))
 
     return run(app, arguments)
 

@@ -27,6 +27,8 @@ MENUS = ("&File", "&Edit", "&View", "&Judge", "&Study", "&Help")
 SEPARATOR_BEFORE = {"export-figure", "quit", "next-match", "next-layer", "link-cameras", "dark", "undo-vote"}
 TABLE = (
     Action("open", "&File", "&Open two meshes…", ("Ctrl+O",), "mdi6.folder-open-outline", lambda w: w.files.open()),
+    Action("source-labels", "&File", "&Labels of the source…", (), "", lambda w: w.files.labels(0)),
+    Action("target-labels", "&File", "Labels of the &target…", (), "", lambda w: w.files.labels(1)),
     Action("export-figure", "&File", "Export &figure…", ("Ctrl+E",), "mdi6.image-outline", lambda w: w.files.export_figure()),
     Action("export-result", "&File", "Export &matches…", ("Ctrl+Shift+E",), "mdi6.export", lambda w: w.files.export_result()),
     Action("quit", "&File", "&Quit", ("Ctrl+Q",), "", lambda w: w.close()),

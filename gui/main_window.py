@@ -168,9 +168,9 @@ class MainWindow(QMainWindow):
 
         self.actions_by_id = actions.make_actions(self)
         menus = actions.fill_menus(self, self.actions_by_id)
-        export = self.actions_by_id["export-figure"]
-        self.recent_menu, self.example_menu = actions.submenu(menus["&File"], "Open &recent", export), actions.submenu(
-            menus["&File"], "Open an e&xample", export)  # fmt: skip
+        before = self.actions_by_id["source-labels"]
+        self.recent_menu, self.example_menu = actions.submenu(menus["&File"], "Open &recent", before), actions.submenu(
+            menus["&File"], "Open an e&xample", before)  # fmt: skip
         self.recent_menu.aboutToShow.connect(self._fill_recent)
         self._fill_examples()
         self.preset_group = QActionGroup(self)

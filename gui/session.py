@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any
 
 from PySide6.QtCore import QObject, Signal
@@ -10,7 +11,7 @@ from engine.shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters
 from engine.shapes.result import Match, MatchResult
 from engine.shapes.segmentation import SegmentedShape
 
-UNDOABLE = ("source", "target", "set_name", "preset", "parameters", "proposals", "prepared_with", "result")
+UNDOABLE = ("source", "target", "set_name", "preset", "parameters", "proposals", "prepared_with", "result", "main")
 LONGEST_HISTORY = 200
 
 
@@ -19,7 +20,8 @@ class State:
     """Everything that the pages draw from.
 
     `proposals` were prepared with `prepared_with` and serve every change of a live parameter; `result` may be older
-    than `parameters` for the moment that a job takes. `answers` are the volunteer's own current votes and `verdicts`
+    than `parameters` for the moment that a job takes, and `main` are the ids of its matches that say something new and
+    can be drawn together. `answers` are the volunteer's own current votes and `verdicts`
     the majorities, both by match id, as they stand in the study file. `layer` 0 shows the matches, 1..L a layer of
     the multi-layer graph, `node` one node of it (-1: all).
     """
@@ -32,8 +34,9 @@ class State:
     proposals: Any = None
     prepared_with: MatchParameters | None = None
     result: MatchResult | None = None
+    main: frozenset[str] = frozenset()
     selected: str = ""
-    shown: str = "all"
+    shown: str = "main"
     order: str = "score"
     layer: int = 0
     node: int = -1
@@ -46,11 +49,17 @@ class State:
 
     def matches(self) -> list[Match]:
         """The matches of the result, best first."""
-        return [] if self.result is None else self.result.matches()
+        return [] if self.result is None else matches_of(self.result)
 
     def match(self, match_id: str) -> Match | None:
         """The match of this id, if the result has it."""
         return next((m for m in self.matches() if m.id == match_id), None)
+
+
+@lru_cache(maxsize=2)
+def matches_of(result: MatchResult) -> list[Match]:
+    """The matches of a result, which many parts of the window ask for at each change; not to be changed."""
+    return result.matches()
 
 
 def difference(old: State, new: State) -> frozenset[str]:

@@ -2,7 +2,7 @@
 
 import importlib
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
@@ -12,6 +12,7 @@ from engine.progress import Progress
 from . import glprobe
 from .main_window import MainWindow
 
+Labels = tuple[str | None, str | None]
 HEAVY = (
     "gui.session", "gui.pages.shapes", "gui.views.pair", "gui.pages.study", "gui.pages.results", "qtawesome", "assets",
     "engine.shapes.meshfile", "engine.shapes.matching",
@@ -27,27 +28,25 @@ def load_modules(progress: Progress) -> None:
             glprobe.problem()
 
 
-def open_window(window: MainWindow, pair: Sequence[str] = (), then: Callable[[], object] | None = None) -> None:
+def open_window(window: MainWindow, pair: Sequence[str] = (), labels: Labels = (None, None)) -> None:
     """Show the window, furnish it behind its first paint, and open a pair of files or the example."""
 
     def furnished(_: None) -> None:
         window.furnish()
         if pair:
-            window.files.pair(*pair)
+            window.files.pair(*pair, labels)
         else:
             window.open_example()
-        if then is not None:
-            then()
 
     window.show()
     QTimer.singleShot(0, lambda: window.jobs.start("modules", load_modules, furnished, words="Opening"))
 
 
-def run(pair: Sequence[str] = ()) -> int:
+def run(pair: Sequence[str] = (), labels: Labels = (None, None)) -> int:
     """Open the window and stay until it is closed; returns the exit code."""
     app = QApplication.instance() or QApplication(sys.argv[:1])
     app.setApplicationName("Concord")
     app.setDesktopFileName("concord")
     window = MainWindow()
-    open_window(window, pair)
+    open_window(window, pair, labels)
     return app.exec()

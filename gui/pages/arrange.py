@@ -1,10 +1,14 @@
 """What the list of matches says and in which order: texts, states, filters and sorting, without any widget."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from engine.shapes.result import Match, MatchResult
 
-SHOWN = {"all": "All matches", "single": "One-to-one", "merged": "Merged"}
+if TYPE_CHECKING:
+    from ..session import State
+
+SHOWN = {"main": "Main matches", "all": "All matches", "single": "One-to-one", "merged": "Merged"}
 ORDERS = ("state", "match", "score", "votes", "layers")
 SYMBOLS = {"correct": "✓", "wrong": "✗", "tie": "=", "undecided": "○", "unsure": "?"}
 
@@ -46,9 +50,37 @@ def state_of(match_id: str, verdicts: Mapping[str, str]) -> str:
     return verdict if verdict in ("correct", "wrong", "tie") else "undecided"
 
 
-def arranged(matches: Iterable[Match], shown: str, order: str, verdicts: Mapping[str, str]) -> list[Match]:
-    """The matches that a filter shows, in an order; equal ones stay best first. A leading '-' turns the order."""
-    chosen = [m for m in matches if shown == "all" or merged(m) == (shown == "merged")]
+def main_ids(result: MatchResult) -> frozenset[str]:
+    """The matches to show first: one-to-one ones, and merged ones that do not follow from smaller ones nor overlap."""
+    from engine.shapes.summary import implied
+
+    follows = implied(result.source_members, result.target_members)
+    chosen = [m for m in result.matches() if not merged(m)]
+    taken: tuple[set[int], set[int]] = (set(), set())
+    new = [m for m, old in zip(result.matches(), follows, strict=True) if merged(m) and not old]
+    for m in sorted(new, key=lambda m: len(m.source) + len(m.target)):
+        if taken[0].isdisjoint(m.source) and taken[1].isdisjoint(m.target):
+            chosen.append(m)
+            taken[0].update(m.source)
+            taken[1].update(m.target)
+    return frozenset(m.id for m in chosen)
+
+
+def shows(match: Match, shown: str, main: Container[str]) -> bool:
+    """Whether a filter shows a match."""
+    if shown == "main":
+        return match.id in main
+    return shown == "all" or merged(match) == (shown == "merged")
+
+
+def listed(state: "State", order: str = "") -> list[Match]:
+    """The matches that the list of a state shows, in its order (or another)."""
+    chosen = [m for m in state.matches() if shows(m, state.shown, state.main)]
+    return arranged(chosen, order or state.order, state.verdicts)
+
+
+def arranged(matches: Iterable[Match], order: str, verdicts: Mapping[str, str]) -> list[Match]:
+    """The matches in an order; equal ones stay best first. A leading '-' turns the order."""
     states = list(SYMBOLS)
     keys = {
         "state": lambda m: states.index(state_of(m.id, verdicts)),
@@ -58,7 +90,7 @@ def arranged(matches: Iterable[Match], shown: str, order: str, verdicts: Mapping
         "layers": lambda m: (m.source_layer + m.target_layer, m.source_layer),
     }
     turned = order.startswith("-")
-    return sorted(chosen, key=keys.get(order.lstrip("-"), keys["score"]), reverse=turned)
+    return sorted(matches, key=keys.get(order.lstrip("-"), keys["score"]), reverse=turned)
 
 
 def next_unanswered(matches: Sequence[Match], current: str, answered: Mapping[str, str]) -> str:

@@ -14,7 +14,8 @@ from ..folders import data_folder, settings
 if TYPE_CHECKING:
     from ..main_window import MainWindow
 
-MESHES = "Meshes (*.off *.obj *.ply *.stl *.glb)"
+MESHES = "Meshes and labels (*.off *.obj *.ply *.stl *.glb *.seg)"
+LABELS = "Labels, one integer a face (*.seg *.txt);;All files (*)"
 STUDIES = "Studies (*.db)"
 FIGURES = "PNG picture (*.png);;SVG drawing (*.svg);;PDF document (*.pdf)"
 
@@ -29,11 +30,11 @@ def sorted_drop(paths: Iterable[str]) -> tuple[list[str], list[str], list[str]]:
 
 
 def labels_for(meshes: Iterable[str], labels: Iterable[str]) -> tuple[str | None, ...]:
-    """The label file of each mesh: one of the same stem first, else what is left in the given order."""
+    """The label file of each mesh: one that begins with its name first, else what is left in the given order."""
     left = list(labels)
     found: list[str | None] = []
     for mesh in meshes:
-        same = next((label for label in left if Path(label).stem == Path(mesh).stem), None)
+        same = next((label for label in left if Path(label).name.startswith(Path(mesh).stem + ".")), None)
         found.append(same)
         if same is not None:
             left.remove(same)
@@ -47,22 +48,45 @@ class Files(QObject):
         super().__init__(window)
         self.window = window
         self.waiting = ""
+        self.chosen: tuple[str | None, str | None] = (None, None)
         self._folder = str(settings().value("folder", str(Path.home())))
 
     def open(self) -> None:
-        """Ask for two meshes, together or one after the other."""
+        """Ask for two meshes, together or one after the other, with label files if they are not found by name."""
         paths, _ = QFileDialog.getOpenFileNames(self.window, "Open two meshes (or the source first)", self._folder, MESHES)
-        if len(paths) == 1:
-            more, _ = QFileDialog.getOpenFileName(self.window, f"Open the target for {Path(paths[0]).name}", self._near(paths[0]), MESHES)
-            paths += [more] if more else []
-        if len(paths) > 2:
-            self.window.say("Choose one or two meshes; more than two were chosen.")
-        elif len(paths) == 2:
-            self.pair(*paths)
+        if len(sorted_drop(paths)[0]) == 1:
+            title = f"Open the target for {Path(sorted_drop(paths)[0][0]).name}"
+            more, _ = QFileDialog.getOpenFileNames(self.window, title, self._near(paths[0]), MESHES)
+            paths += more
+        meshes, labels, _ = sorted_drop(paths)
+        if len(meshes) == 2:
+            first, second = labels_for(meshes, labels)
+            self.pair(*meshes, (first, second))
+        elif paths:
+            self.window.say(f"Choose two meshes, together or one after the other; {len(meshes)} were chosen.")
+
+    def labels(self, side: int) -> None:
+        """Ask for the labels of one shape of the pair, and open the pair again with them."""
+        state = self.window.session.state
+        if state.source is None or state.target is None:
+            self.window.say("There is no shape to label yet; open two meshes first.")
+            return
+        shapes = state.source, state.target
+        title = f"Labels of {shapes[side].mesh.name}, one integer a face"
+        path, _ = QFileDialog.getOpenFileName(self.window, title, str(Path(shapes[side].file).parent), LABELS)
+        if path:
+            self.relabel(side, path)
+
+    def relabel(self, side: int, path: str) -> None:
+        """Open the pair again with other labels for one of its shapes."""
+        shapes = self.window.session.state.source, self.window.session.state.target
+        chosen = list(self.chosen)
+        chosen[side] = path
+        self.pair(shapes[0].file, shapes[1].file, (chosen[0], chosen[1]))
 
     def pair(self, source: str, target: str, labels: tuple[str | None, str | None] = (None, None)) -> None:
         """Open two files by their names."""
-        self.waiting = ""
+        self.waiting, self.chosen = "", labels
         self.window.messages.dismiss()
         self._near(source)
         self.window.show_page("shapes")

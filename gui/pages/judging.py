@@ -14,7 +14,7 @@ from engine.shapes.result import MatchResult
 from ..folders import default_study
 from ..jobs import QUEUE, Jobs
 from ..session import Session, State
-from .arrange import arranged, next_unanswered
+from .arrange import listed, next_unanswered
 
 BUSY_SECONDS = 8.0
 
@@ -188,14 +188,13 @@ class Judging(QObject):
 
     def _advance(self, match_id: str) -> None:
         state = self.session.state
-        rows = arranged(state.matches(), state.shown, state.order, state.verdicts)
-        following = next_unanswered(rows, match_id, state.answers)
+        following = next_unanswered(listed(state), match_id, state.answers)
         if following:
             self.advancing = True
             self.session.update(selected=following)
             self.advancing = False
         else:
-            self.saved.emit("saved ✓ · all judged")
+            self.saved.emit("saved ✓ · all of these judged")
 
     def _take(self, snapshot: Snapshot, **changes: Any) -> None:
         self.session.update(record=False, answers=snapshot.answers, verdicts=snapshot.verdicts, **changes)

@@ -10,7 +10,7 @@ from engine.shapes.result import Match
 
 from ..palette import theme
 from ..session import State
-from .arrange import ORDERS, SYMBOLS, arranged, match_text, share_text, short_text, state_of
+from .arrange import ORDERS, SYMBOLS, listed, match_text, share_text, short_text, state_of
 
 _HEADS = ("", "match", "score", "votes", "layers")
 _TIPS = ("What the majority of volunteers says", "Segments of the source → segments of the target",
@@ -19,7 +19,7 @@ _TIPS = ("What the majority of volunteers says", "Segments of the source → seg
 
 
 class MatchModel(QAbstractTableModel):
-    """The arranged matches of a state, as rows."""
+    """The listed matches of a state, as rows."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -31,7 +31,7 @@ class MatchModel(QAbstractTableModel):
         if structure:
             self.beginResetModel()
         self.state = state
-        self.rows = arranged(state.matches(), state.shown, state.order, state.verdicts) if structure else self.rows
+        self.rows = listed(state) if structure else self.rows
         if structure:
             self.endResetModel()
         elif self.rows:

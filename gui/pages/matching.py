@@ -15,6 +15,7 @@ from engine.store import default_cache
 
 from ..jobs import FOLLOW, Jobs
 from ..session import Session, State
+from .arrange import main_ids
 
 NOTHING, REMATCH, MATCH = "nothing", "rematch", "match"
 _SLOW = tuple(info.name for info in declared(MatchParameters) if not info.live)
@@ -77,7 +78,7 @@ class Matching(QObject):
         """Put two shapes on the table and match them."""
         chosen = {"preset": choose, "parameters": preset(choose)} if choose else {}
         self.session.update(source=source, target=target, set_name=set_name, proposals=None, prepared_with=None,
-                            result=None, selected="", layer=0, node=-1, **chosen)  # fmt: skip
+                            result=None, main=frozenset(), selected="", layer=0, node=-1, **chosen)  # fmt: skip
 
     def edit(self, name: str, value: Any, settled: bool) -> None:
         """Change one parameter; successive changes while a hand moves are one step of the history."""
@@ -115,11 +116,16 @@ class Matching(QObject):
 
         proposals, parameters, chosen = state.proposals, state.parameters, state.preset
 
-        def done(answer: tuple[Any, float]) -> None:
-            if self.session.state.proposals is proposals:
-                self._take(answer[1], result=answer[0])
+        def work(_: Progress) -> tuple[Any, frozenset[str]]:
+            result = rematch(proposals, parameters, preset=chosen)
+            return result, main_ids(result)
 
-        self.jobs.start("rematch", _timed(lambda _: rematch(proposals, parameters, preset=chosen)), done, policy=FOLLOW)
+        def done(answer: tuple[tuple[Any, frozenset[str]], float]) -> None:
+            (result, main), seconds = answer
+            if self.session.state.proposals is proposals:
+                self._take(seconds, result=result, main=main)
+
+        self.jobs.start("rematch", _timed(work), done, policy=FOLLOW)
 
     def _start_match(self, state: State) -> None:
         key = (id(state.source), id(state.target), slow_values(state.parameters))
@@ -128,19 +134,20 @@ class Matching(QObject):
         self._key = key
         source, target, parameters, chosen, cache = state.source, state.target, state.parameters, state.preset, self.cache
 
-        def work(progress: Progress) -> tuple[Any, Any]:
+        def work(progress: Progress) -> tuple[Any, Any, frozenset[str]]:
             from engine.shapes.matching import describe, propose, rematch
 
             first = describe(source, parameters, progress=share(progress, 0.0, 0.45), cache=cache)
             second = describe(target, parameters, progress=share(progress, 0.45, 0.9), cache=cache)
             proposals = propose(first, second, parameters, progress=share(progress, 0.9, 0.98), cache=cache)
-            return proposals, rematch(proposals, parameters, preset=chosen)
+            result = rematch(proposals, parameters, preset=chosen)
+            return proposals, result, main_ids(result)
 
-        def done(answer: tuple[tuple[Any, Any], float]) -> None:
+        def done(answer: tuple[tuple[Any, Any, frozenset[str]], float]) -> None:
             now = self.session.state
             if now.source is source and now.target is target and slow_values(now.parameters) == key[2]:
-                (proposals, result), seconds = answer
-                self._take(seconds, proposals=proposals, prepared_with=parameters, result=result)
+                (proposals, result, main), seconds = answer
+                self._take(seconds, proposals=proposals, prepared_with=parameters, result=result, main=main)
 
         self.jobs.start("match", _timed(work), done, words="Matching", failed=self._failed)
 

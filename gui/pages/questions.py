@@ -1,16 +1,15 @@
 """What the voting page shows next: an item of the study with its two shapes found again on this computer."""
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from annotation import study
 from annotation.study import Item, StudyFile, VotingProgress
 from engine.errors import BadInput, ConcordError
-from engine.shapes.identity import mesh_id
+from engine.shapes.identity import match_id, mesh_id, node_id, segment_ids
 from engine.shapes.segmentation import SegmentedShape
 
-Shapes = dict[str, SegmentedShape]
 MOST_KEPT = 12
 
 
@@ -34,40 +33,76 @@ class Asked(NamedTuple):
     answer: str = ""
 
 
-def find_shape(side: Mapping[str, Any], near: Path, kept: Shapes) -> SegmentedShape:
-    """The shape of one side of an item: kept ones first, then its file, then one of that name beside the study."""
+class Known(NamedTuple):
+    """A shape with the content hashes of its segments."""
+
+    shape: SegmentedShape
+    segment_ids: tuple[str, ...]
+
+
+Shapes = dict[str, list[Known]]
+"""Shapes at hand by the hash of their mesh: one mesh may have been cut up in several ways."""
+
+
+def keep(kept: Shapes, sha256: str, shape: SegmentedShape) -> Known:
+    """Put a shape among those at hand; the oldest mesh goes when there are many."""
+    for known in kept.get(sha256, ()):
+        if known.shape is shape:
+            return known
+    while len(kept) >= MOST_KEPT and sha256 not in kept:
+        kept.pop(next(iter(kept)))
+    known = Known(shape, segment_ids(shape.mesh, shape.segmentation))
+    kept.setdefault(sha256, []).append(known)
+    return known
+
+
+def candidates(side: Mapping[str, Any], near: Path, kept: Shapes) -> Iterator[Known]:
+    """The shapes that one side of an item may mean, likely ones first: those at hand, then its file, or one of that
+    name beside the study, with its usual labels or any other `.seg` file of its name."""
     from engine.shapes.meshfile import load_shape
 
-    if side["sha256"] in kept:
-        return kept[side["sha256"]]
+    yield from list(kept.get(side["sha256"], ()))
     file = Path(side["file"] or "?")
     found = next((path for path in (file, near / file.name) if path.is_file()), None)
     if found is None:
         raise BadInput(f"{file.name} is neither at {file} nor beside the study; put it there to be asked about it.")
-    shape = load_shape(found)
-    if mesh_id(shape.mesh) != side["sha256"]:
-        raise BadInput(f"{found} is not the mesh that the study asks about; put back the one that was matched.")
-    while len(kept) >= MOST_KEPT:
-        kept.pop(next(iter(kept)))
-    kept[side["sha256"]] = shape
-    return shape
+    for labels in (None, *sorted(found.parent.glob(f"{found.stem}.*seg"))):
+        try:
+            shape = load_shape(found, labels)
+        except BadInput:
+            if labels is None:
+                raise
+            continue
+        if mesh_id(shape.mesh) != side["sha256"]:
+            raise BadInput(f"{found} is not the mesh that the study asks about; put back the one that was matched.")
+        yield keep(kept, side["sha256"], shape)
 
 
-def segment_rows(shape: SegmentedShape, labels: Iterable[int | str]) -> tuple[int, ...]:
-    """Indices of the segments with these labels."""
-    rows = {name: k for k, name in enumerate(shape.segmentation.names)}
-    missing = [label for label in labels if label not in rows]
-    if missing:
-        raise BadInput(f"{shape.mesh.name} has no segment {missing[0]}; its labels are not those that were matched.")
-    return tuple(rows[label] for label in labels)
+def union_of(known: Known, labels: Iterable[int | str]) -> tuple[tuple[int, ...], str] | None:
+    """The segments with these labels and the hash of their union; None where a label is missing."""
+    rows = {name: k for k, name in enumerate(known.shape.segmentation.names)}
+    wanted = list(labels)
+    if any(label not in rows for label in wanted):
+        return None
+    found = tuple(rows[label] for label in wanted)
+    return found, node_id(known.segment_ids[k] for k in found)
 
 
 def question_of(item: Item, swapped: bool, near: Path, kept: Shapes) -> Question:
-    """An item with its shapes, the target on the left if `swapped`. Raises `BadInput` where a shape is missing."""
-    sides = [item.payload["source"], item.payload["target"]][:: -1 if swapped else 1]
-    shapes = [find_shape(side, near, kept) for side in sides]
-    rows = [segment_rows(shape, side["segments"]) for shape, side in zip(shapes, sides, strict=True)]
-    return Question(item, (shapes[0], shapes[1]), (rows[0], rows[1]), swapped)
+    """An item with its shapes, the target on the left if `swapped`.
+
+    Only shapes whose segments hash to the item's id are shown, so that no vote falls on another match. Raises
+    `BadInput` where they are not to be found.
+    """
+    sides = item.payload["source"], item.payload["target"]
+    for first in candidates(sides[0], near, kept):
+        for second in candidates(sides[1], near, kept):
+            unions = union_of(first, sides[0]["segments"]), union_of(second, sides[1]["segments"])
+            if unions[0] and unions[1] and match_id(unions[0][1], unions[1][1]) == item.id:
+                step = -1 if swapped else 1
+                return Question(item, (first.shape, second.shape)[::step], (unions[0][0], unions[1][0])[::step], swapped)
+    names = " and ".join(Path(side["file"]).name for side in sides)
+    raise BadInput(f"The labels of {names} are not those that were matched; put back the label files.")
 
 
 def ask_next(handle: StudyFile, code: str, skipped: Collection[str], kept: Shapes, again: str = "") -> Asked:

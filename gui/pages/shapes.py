@@ -23,7 +23,7 @@ from ..parameter_form import ParameterForm
 from ..session import Session, State
 from ..views.mesh_pair import MeshPairView
 from ..views.scene import Link, layer_colours, layer_nodes
-from .arrange import SHOWN, arranged, merged, short_union, smallest_with, state_of
+from .arrange import SHOWN, listed, merged, short_union, smallest_with, state_of
 from .judging import Judging, checked_code
 from .layers import LayerBar, Place, node_list, step_layer, step_node
 from .match_list import MatchList
@@ -38,7 +38,7 @@ def links_of(state: State) -> list[Link]:
 
     A single node of a layer is shown without links.
     """
-    rows = arranged(state.matches(), state.shown, "score", state.verdicts)
+    rows = listed(state, "score")
     if state.layer and state.node >= 0:
         return []
     if state.layer:
@@ -104,6 +104,7 @@ class ShapesPage(QWidget):
         self.notes.setTextFormat(Qt.TextFormat.PlainText)
         self.notes.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Minimum)
         self.count.setObjectName("soft")
+        self.filter.setToolTip("Main: the one-to-one matches, and merged ones that do not follow from smaller ones")
         head = QHBoxLayout()
         head.addWidget(self.filter)
         head.addStretch(1)
@@ -167,8 +168,13 @@ class ShapesPage(QWidget):
             self.view.frame_match(match.source, match.target)
 
     def _segment(self, side: int, segment: int) -> None:
-        found = smallest_with(self.session.state.matches(), side, segment)
-        self.session.update(selected=found)
+        state = self.session.state
+        found = smallest_with(listed(state), side, segment)
+        if found:
+            self.session.update(selected=found)
+        else:
+            found = smallest_with(state.matches(), side, segment)
+            self.session.update(selected=found, shown="all" if found else state.shown)
         if not found:
             self.judge.state.setText("")
             self.view.set_highlight(*(((segment,), ()) if side == 0 else ((), (segment,))),
@@ -208,7 +214,7 @@ class ShapesPage(QWidget):
     def step_match(self, by: int) -> None:
         """Select the next or previous match of the list, around its ends."""
         state = self.session.state
-        ids = [m.id for m in arranged(state.matches(), state.shown, state.order, state.verdicts)]
+        ids = [m.id for m in listed(state)]
         if ids:
             here = ids.index(state.selected) if state.selected in ids else (-1 if by > 0 else 0)
             self._picked(ids[(here + by) % len(ids)])

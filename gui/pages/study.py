@@ -10,7 +10,7 @@ from ..session import Session, State
 from ..views.mesh_pair import MeshPairView
 from .judging import Judging
 from .panels import ANSWER_WORDS, answer_style
-from .questions import Asked, Question, Shapes, ask_next, empty_text, progress_text
+from .questions import Asked, Question, Shapes, ask_next, empty_text, keep, progress_text
 
 
 class StudyPage(QWidget):
@@ -79,7 +79,7 @@ class StudyPage(QWidget):
         state = self.session.state
         for proposals in (state.proposals,) if state.proposals is not None else ():
             for shape in (proposals.source, proposals.target):
-                self._kept[shape.record.sha256] = shape.shape
+                keep(self._kept, shape.record.sha256, shape.shape)
         if self.judging.handle is None:
             self._show_empty("No study is open. Open one with File > Open study, or make one with File > New study.")
             return

@@ -17,7 +17,7 @@ from annotation import study
 from engine.shapes.families.collection import off_text
 from gui import actions
 from gui.main_window import MainWindow
-from gui.pages.arrange import arranged
+from gui.pages.arrange import listed
 
 
 def write_bar(folder, shape, name):
@@ -56,6 +56,7 @@ def window(qtbot, tmp_path, monkeypatch, cache):
 
 @pytest.fixture
 def ready(window, files, qtbot):
+    window.session.update(shown="all")
     window.files.pair(*files)
     settle(window, qtbot)
     assert window.session.state.result is not None, window.messages.text.text()
@@ -68,8 +69,7 @@ def settle(window, qtbot):
 
 
 def rows(window):
-    state = window.session.state
-    return [m.id for m in arranged(state.matches(), state.shown, state.order, state.verdicts)]
+    return [m.id for m in listed(window.session.state)]
 
 
 def votes(window):
@@ -483,8 +483,7 @@ def test_a_hundred_random_actions_leave_the_window_whole(ready, qtbot, monkeypat
     ready.jobs.failed.connect(lambda *texts: unexpected.append(texts))
     ready.judging.failed.connect(lambda *texts: unexpected.append(texts))
     rng = random.Random(20)
-    asks = {"open", "export-figure", "export-result", "new-study", "open-study", "volunteer", "quit"}
-    harmless = [row.id for row in actions.TABLE if row.id not in asks]
+    harmless = [row.id for row in actions.TABLE if not row.text.endswith("…") and row.id != "quit"]  # … opens a dialog
     sliders = [row for row in ready.shapes.form.rows.values() if row.slider and row.info.live]
 
     def edit():

@@ -11,13 +11,16 @@ from engine.shapes.parameters import preset
 from engine.shapes.result import Match, MatchResult, ShapeRecord
 from gui.folders import MOST_RECENT, with_recent
 from gui.pages.arrange import (
+    SHOWN,
     arranged,
+    main_ids,
     match_text,
     merged,
     next_unanswered,
     reasons,
     share_text,
     short_text,
+    shows,
     smallest_with,
     state_of,
 )
@@ -53,9 +56,8 @@ def test_matches_are_named_by_the_labels_of_the_input(result):
 
 
 def test_filters_part_the_matches():
-    assert [m.id for m in arranged(MATCHES, "all", "score", {})] == ["a", "b", "c"]
-    assert [m.id for m in arranged(MATCHES, "single", "score", {})] == ["a"]
-    assert [m.id for m in arranged(MATCHES, "merged", "score", {})] == ["b", "c"]
+    shown = {name: [m.id for m in MATCHES if shows(m, name, {"a", "c"})] for name in SHOWN}
+    assert shown == {"main": ["a", "c"], "all": ["a", "b", "c"], "single": ["a"], "merged": ["b", "c"]}
     assert [merged(m) for m in MATCHES] == [False, True, True]
 
 
@@ -65,7 +67,7 @@ def test_filters_part_the_matches():
      ("state", "bca"), ("-state", "acb"), ("nonsense", "abc")],
 )  # fmt: skip
 def test_orders(order, ids):
-    assert [m.id for m in arranged(MATCHES, "all", order, {"b": "correct", "c": "wrong"})] == list(ids)
+    assert [m.id for m in arranged(MATCHES, order, {"b": "correct", "c": "wrong"})] == list(ids)
 
 
 def test_verdicts_that_decide_nothing_leave_a_match_undecided():
@@ -87,6 +89,10 @@ def test_a_segment_selects_its_smallest_match():
     assert smallest_with(MATCHES, 0, 1) == "b"
     assert smallest_with(MATCHES, 1, 2) == "c"
     assert smallest_with(MATCHES, 1, 7) == ""
+
+
+def test_main_matches_do_not_overlap_and_hold_all_single_ones(result):
+    assert main_ids(result) == {"a", "b"}  # c holds the segments of both
 
 
 def test_reasons_name_segments_layers_and_thresholds(result):
@@ -172,6 +178,7 @@ def test_dropped_files_are_told_apart():
 def test_labels_go_to_the_mesh_of_their_name_first():
     assert labels_for(["p/a.off", "p/b.off"], ["q/b.seg"]) == (None, "q/b.seg")
     assert labels_for(["a.off", "b.off"], ["b.seg", "other.seg"]) == ("other.seg", "b.seg")
+    assert labels_for(["1.off", "10.off"], ["10.fine.seg", "1.coarse.seg"]) == ("1.coarse.seg", "10.fine.seg")
     assert labels_for(["a.off", "b.off"], []) == (None, None)
 
 

@@ -1,13 +1,18 @@
 """One state: what changed is told, undo and redo keep inputs and parameters together, votes are never undone."""
 
-from types import SimpleNamespace
-
 import pytest
 
 from engine.shapes.parameters import preset
 from gui.session import UNDOABLE, Session, State, difference
 
 RIGID, NONRIGID = preset("thesis-rigid"), preset("thesis-nonrigid")
+
+
+class Answer:
+    """A result without matches."""
+
+    def matches(self):
+        return []
 
 
 @pytest.fixture
@@ -84,7 +89,7 @@ def test_a_new_step_ends_what_was_undone(session):
 
 def test_answers_of_jobs_are_no_steps_of_their_own(session):
     session.update(parameters=RIGID.changed(K=3))
-    answer = SimpleNamespace(matches=list)
+    answer = Answer()
     session.update(record=False, result=answer)
     session.undo()
     assert session.state.result is None

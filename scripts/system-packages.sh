@@ -43,4 +43,4 @@ case "$missing" in
     fi ;;
 esac
 # shellcheck disable=SC2086 # the names are separate words
-DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing
+DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null

@@ -364,7 +364,7 @@ class MainWindow(QMainWindow):
             self.status.preset.setText(state.preset + (" ●" if differs else "") + "  ▾")
             for action in self.preset_group.actions():
                 action.setChecked(action.text() == state.preset)
-        if names & {"result", "answers", "verdicts", "source", "target"}:
+        if names & {"result", "answers", "verdicts", "shown", "source", "target"}:
             self._show_status(state)
         self.actions_by_id["undo"].setEnabled(self.session.can_undo)
         self.actions_by_id["redo"].setEnabled(self.session.can_redo)
@@ -373,10 +373,13 @@ class MainWindow(QMainWindow):
         if state.result is None:
             self.status.text.setText("" if state.source is None else "Matching …")
             return
+        from .pages.arrange import listed
+
         ids = state.result.ids
         given = [state.verdicts.get(i) for i in ids]
         counts = [given.count(verdict) for verdict in ("correct", "wrong", "tie")]
-        self.status.text.setText(judged_text(len(ids), *counts, sum(i in state.answers for i in ids)))
+        left = sum(match.id not in state.answers for match in listed(state))
+        self.status.text.setText(judged_text(len(ids), *counts, left))
 
     def _system_theme(self) -> None:
         if settings().value("dark", "system") == "system":

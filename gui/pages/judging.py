@@ -80,10 +80,13 @@ class Judging(QObject):
         self.jobs.start("study", work, done, words="Opening the study", policy=QUEUE)
 
     def answer(self, answer: str) -> None:
-        """Commit an answer on the selected match, then go to the next without one."""
+        """Commit an answer on the selected match, then go to the next without one; without a selection, go there."""
         state = self.session.state
         match_id, result = state.selected, state.result
-        if result is None or not match_id or self.saving:
+        if result is None or self.saving:
+            return
+        if not match_id:  # nothing is asked yet: show the first question instead
+            self._advance("")
             return
         shown = int((time.monotonic() - self._since) * 1000)
 

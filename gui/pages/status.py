@@ -24,8 +24,8 @@ def left_text(seconds: float) -> str:
     return f"about {seconds / 60:.0f} min left" if seconds >= 90 else f"about {seconds:.0f} s left"
 
 
-def judged_text(matches: int, correct: int, wrong: int, tie: int, own: int) -> str:
-    """'8 matches · 6 judged, precision .83 [.44, .97]' with 'tie' and what the volunteer has left."""
+def judged_text(matches: int, correct: int, wrong: int, tie: int, left: int) -> str:
+    """'6 of 8 matches judged, precision .83 [.44, .97]', ties, and how many of the list the volunteer has left."""
     if not matches:
         return "No matches with these parameters."
     text = "1 match" if matches == 1 else f"{matches} matches"
@@ -42,7 +42,7 @@ def judged_text(matches: int, correct: int, wrong: int, tie: int, own: int) -> s
         text += f", precision {share_text(correct / (correct + wrong))} [{share_text(interval.low)}, {share_text(interval.high)}]"
     if tie:
         text += f" · {tie} tied"
-    return text + (" · all judged by you" if own == matches else f" · {matches - own} left for you")
+    return text + (f" · {left} in the list left for you" if left else " · you have judged the whole list")
 
 
 class StatusLine(QWidget):

@@ -182,6 +182,32 @@ def test_layers_and_nodes_can_be_walked(ready):
     assert len(ready.shapes.view._drawing.links) == len(ready.session.state.result.ids)
 
 
+def test_main_matches_are_listed_first_and_a_segment_finds_the_others(ready):
+    ready.session.update(shown="main")
+    assert set(rows(ready)) == ready.session.state.main
+    assert {link.id for link in ready.shapes.view._drawing.links} == ready.session.state.main
+    ready.session.update(shown="merged")
+    single = next(m for m in ready.session.state.matches() if len(m.source + m.target) == 2)
+    ready.shapes.view.segment_clicked.emit(0, single.source[0])
+    assert single.source[0] in ready.session.state.match(ready.session.state.selected).source
+    assert ready.session.state.selected in rows(ready)
+
+
+def test_labels_of_one_shape_can_be_chosen(ready, qtbot, tmp_path):
+    source = ready.session.state.source
+    coarse = tmp_path / "coarse.seg"
+    coarse.write_text("\n".join(str(min(label, 2)) for label in source.segmentation.labels))
+    ready.files.relabel(0, str(coarse))
+    settle(ready, qtbot)
+    assert ready.session.state.source.segmentation.count == 3
+    assert ready.session.state.target.segmentation.count == 4
+    coarse.write_text("1\n2\n")
+    ready.files.relabel(0, str(coarse))
+    settle(ready, qtbot)
+    assert "label" in ready.messages.text.text()
+    assert ready.session.state.source.segmentation.count == 3
+
+
 # --- judging
 
 
@@ -200,6 +226,13 @@ def test_votes_by_keys_are_on_the_disk_before_the_next_match_shows(ready, qtbot)
     assert ready.session.state.selected == ids[3]
     assert "2 of" in ready.status.text.text()
     assert ready.shapes.judge.state.text() == "saved ✓"
+
+
+def test_the_first_key_without_a_selection_asks_the_first_question(ready, qtbot):
+    press(ready, qtbot, Qt.Key.Key_J)
+    settle(ready, qtbot)
+    assert ready.session.state.selected == rows(ready)[0]
+    assert ready.session.state.answers == {}
 
 
 def test_backspace_takes_votes_back_one_by_one(ready, qtbot):

@@ -153,11 +153,11 @@ def test_layer_words():
 def test_the_status_line_says_how_far_judging_is():
     assert judged_text(0, 0, 0, 0, 0) == "No matches with these parameters."
     assert judged_text(8, 0, 0, 0, 0).startswith("8 matches · none judged yet")
-    text = judged_text(8, 5, 1, 0, 6)
+    text = judged_text(8, 5, 1, 0, 2)
     assert text.startswith("6 of 8 matches judged, precision .83 [.44, .97]")  # Wilson's interval of 5 of 6
-    assert text.endswith("2 left for you")
-    assert "1 tied" in judged_text(8, 5, 1, 1, 8)
-    assert judged_text(1, 1, 0, 0, 1).endswith("all judged by you")
+    assert text.endswith("2 in the list left for you")
+    assert "1 tied" in judged_text(8, 5, 1, 1, 0)
+    assert judged_text(1, 1, 0, 0, 0).endswith("judged the whole list")
 
 
 def test_seconds():

@@ -1,0 +1,67 @@
+"""The command `concord`: what needs no window works without Qt, and no window is one clear sentence."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from gui import display
+from gui.__main__ import main
+
+
+def test_without_a_display_it_says_so(monkeypatch, capsys):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("sys.platform", "linux")
+    assert main([]) == 2
+    said = capsys.readouterr().err
+    assert "no display" in said
+    assert len(said.strip().splitlines()) == 1
+    assert main(["open", "a.off", "b.off"]) == 2
+
+
+def test_without_the_packages_it_says_what_to_install(monkeypatch, capsys):
+    monkeypatch.setattr(display, "missing_packages", lambda: ["PySide6"])
+    assert main([]) == 2
+    assert "pip install 'concord-correspondences[gui]'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("environment", "fine"),
+    [({"QT_QPA_PLATFORM": "offscreen"}, True), ({"WAYLAND_DISPLAY": "wayland-0"}, True), ({}, False),
+     ({"QT_QPA_PLATFORM": "xcb", "WAYLAND_DISPLAY": "wayland-0"}, False)],
+)  # fmt: skip
+def test_which_displays_are_taken(environment, fine):
+    assert (display.display_problem(environment) is None) == fine
+
+
+def test_a_display_that_does_not_answer_is_named(monkeypatch):
+    monkeypatch.setattr(display, "_loads", lambda library: True)
+    monkeypatch.setattr(display, "_answers", lambda name: False)
+    assert ":77" in display.display_problem({"DISPLAY": ":77"})
+
+
+def test_missing_libraries_of_x_are_named_by_their_packages(monkeypatch):
+    monkeypatch.setattr(display, "_loads", lambda library: "cursor" not in library)
+    assert display.display_problem({"DISPLAY": ":0"}).endswith("apt install libxcb-cursor0.")
+
+
+@pytest.mark.parametrize("arguments", [["match", "missing.off", "b.off", "--out", "x"], ["study", "table", "no.db"],
+                                       ["nonsense"], ["open", "one.off"]])  # fmt: skip
+def test_bad_commands_are_one_sentence_and_two(arguments, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    said = capsys.readouterr().err
+    assert "Traceback" not in said
+    assert len(said.strip().splitlines()) == 1
+
+
+def test_commands_without_a_window_import_neither_qt_nor_vtk():
+    code = (
+        "import sys; from gui.__main__ import main; assert main(['parameters']) == 0; assert main(['study', '-h']) == 0;"
+        "bad = [m for m in sys.modules if m.split('.')[0] in ('PySide6', 'vtkmodules', 'pyvista')]; assert not bad, bad"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env={**os.environ})
+    assert done.returncode == 0, done.stderr
+    assert "thesis-rigid" in done.stdout

@@ -8,16 +8,11 @@ from PySide6.QtGui import QActionGroup, QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
     QAbstractButton,
     QApplication,
-    QButtonGroup,
     QComboBox,
-    QDialog,
-    QDialogButtonBox,
     QHBoxLayout,
     QLabel,
     QMainWindow,
-    QScrollArea,
     QStackedWidget,
-    QToolButton,
     QVBoxLayout,
     QWidget,
 )
@@ -27,37 +22,17 @@ from engine.errors import ConcordError
 from . import actions
 from .folders import recent_pairs, remember_pair, settings
 from .jobs import Jobs, show_unexpected
+from .pages.help import show_about, show_keys
 from .pages.messages import MessageBar
+from .pages.rail import Rail
 from .pages.status import StatusLine, judged_text, seconds_text
-from .palette import Theme, apply_theme, system_is_dark, theme
+from .pages.style import window_style
+from .palette import apply_theme, system_is_dark, theme
 
 if TYPE_CHECKING:
     from .session import State
 
 _SHOWN_DARK = "concord-shown-dark"
-PAGES = (("shapes", "Shapes"), ("study", "Study"), ("results", "Results"))
-
-
-def window_style(colours: Theme) -> str:
-    """What the parts of the window add to the application's style."""
-    return f"""
-    QLabel#soft {{ color: {colours.soft_ink}; }}
-    QLabel#group-heading {{ font-weight: 600; }}
-    QLabel#changed-dot {{ color: {colours.accent}; }}
-    QLabel#page-heading, QLabel#question {{ font-size: 18px; font-weight: 600; }}
-    QLabel#placeholder {{ color: {colours.soft_ink}; font-size: 15px; }}
-    QWidget#rail {{ background: {colours.panel}; border-right: 1px solid {colours.line}; }}
-    QWidget#rail QToolButton {{ padding: 6px 0px; border-radius: 6px; color: {colours.soft_ink}; font-size: 12px; }}
-    QWidget#rail QToolButton:checked {{ background: {colours.raised}; color: {colours.ink}; }}
-    QWidget#status-line {{ background: {colours.panel}; border-top: 1px solid {colours.line}; }}
-    QFrame#message-bar {{ background: {colours.raised}; border: none; border-bottom: 2px solid {colours.wrong}; }}
-    QWidget#status-line QToolButton {{ padding: 4px 8px; }}
-    QWidget#status-line QToolButton::menu-indicator {{ image: none; }}
-    QTableView#matches QHeaderView::section {{ padding: 4px 2px; }}
-    QPushButton#plain {{ border: none; background: transparent; color: {colours.soft_ink}; padding: 2px 4px; }}
-    QPushButton#plain:hover {{ color: {colours.ink}; text-decoration: underline; }}
-    QMenuBar {{ background: {colours.panel}; border-bottom: 1px solid {colours.line}; }}
-    """
 
 
 class MainWindow(QMainWindow):
@@ -85,25 +60,8 @@ class MainWindow(QMainWindow):
         self._apply_theme()
 
     def _lay_out(self) -> None:
-        self.rail = QWidget(self)
-        self.rail.setObjectName("rail")
-        self.rail.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-        self.rail.setFixedWidth(72)
-        column = QVBoxLayout(self.rail)
-        column.setContentsMargins(6, 8, 6, 8)
-        column.setSpacing(4)
-        self._rail_group = QButtonGroup(self)
-        self.rail_buttons: dict[str, QToolButton] = {}
-        for name, text in PAGES:
-            button = QToolButton(self.rail, text=text, checkable=True)
-            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
-            button.setFixedSize(60, 56)
-            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-            button.clicked.connect(lambda _=False, name=name: self.show_page(name))
-            self._rail_group.addButton(button)
-            column.addWidget(button)
-            self.rail_buttons[name] = button
-        column.addStretch(1)
+        self.rail = Rail(self)
+        self.rail.chosen.connect(self.show_page)
         right = QVBoxLayout()
         right.setSpacing(0)
         right.addWidget(self.messages)
@@ -232,7 +190,7 @@ class MainWindow(QMainWindow):
             return
         page = self.pages[name]
         self.stack.setCurrentWidget(page)
-        self.rail_buttons[name].setChecked(True)
+        self.rail.check(name)
         self.status.setVisible(name != "study" and self.rail.isVisibleTo(self))  # a volunteer sees no results
         if hasattr(page, "begin"):
             page.begin()
@@ -321,32 +279,11 @@ class MainWindow(QMainWindow):
 
     def show_keys(self) -> None:
         """All keys, and the guideline of the study where it has one."""
-        guideline = self.study.guideline() if self.page == "study" else ""
-        self._text_window("Keys", (f"<p>{guideline}</p>" if guideline else "") + actions.keys_table())
+        show_keys(self, actions.keys_table(), self.study.guideline() if self.page == "study" else "")
 
     def show_about(self) -> None:
         """What this is."""
-        from importlib.metadata import version
-
-        name = "concord-correspondences"
-        self._text_window("About Concord", f"<h3>Concord {version(name)}</h3><p>Finds, shows and judges consistent "
-                          "correspondences between segmented shapes.<br>MIT licence.</p>")  # fmt: skip
-
-    def _text_window(self, title: str, html: str) -> None:
-        dialog = QDialog(self)
-        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        dialog.setWindowTitle(title)
-        text = QLabel(html, dialog, textFormat=Qt.TextFormat.RichText)
-        text.setContentsMargins(16, 16, 16, 16)
-        area = QScrollArea(dialog, widgetResizable=True)
-        area.setWidget(text)
-        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close, dialog)
-        buttons.rejected.connect(dialog.reject)
-        column = QVBoxLayout(dialog)
-        column.addWidget(area, 1)
-        column.addWidget(buttons)
-        dialog.resize(min(text.sizeHint().width() + 56, 640), min(text.sizeHint().height() + 80, 640))
-        dialog.open()
+        show_about(self)
 
     # --- following the state
 
@@ -396,8 +333,8 @@ class MainWindow(QMainWindow):
 
     def _add_icons(self) -> None:
         actions.add_icons(self.actions_by_id, theme(self._dark).ink)
-        for name, button in self.rail_buttons.items():
-            button.setIcon(self.actions_by_id[f"page-{name}"].icon())
+        for name in self.pages:
+            self.rail.set_icon(name, self.actions_by_id[f"page-{name}"].icon())
 
     # --- files dropped beside the view, and the end
 

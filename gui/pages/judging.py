@@ -154,7 +154,7 @@ class Judging(QObject):
     def _commit(self, work: Callable[[study.StudyFile], Any], after: Callable[[Any], None]) -> None:
         handle, code = self.handle, self.session.state.volunteer
         if handle is None:
-            self.failed.emit("No study file is open, so the vote was not taken; open or create one (File > New study).", "")
+            self.failed.emit("No study file is open, so the vote was not taken; open or create one (Study > New study).", "")
             return
         self.saving = True
 

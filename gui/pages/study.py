@@ -81,7 +81,7 @@ class StudyPage(QWidget):
             for shape in (proposals.source, proposals.target):
                 keep(self._kept, shape.record.sha256, shape.shape)
         if self.judging.handle is None:
-            self._show_empty("No study is open. Open one with File > Open study, or make one with File > New study.")
+            self._show_empty("No study is open. Open one with Study > Open study, or make one with Study > New study.")
             return
         self._ask()
 

@@ -293,7 +293,6 @@ class MainWindow(QMainWindow):
             self._apply_theme()
         if names & {"source", "target"} and state.source is not None and state.target is not None:
             self.setWindowTitle(f"{state.source.mesh.name} – {state.target.mesh.name} · Concord")
-            self.messages.dismiss()
         if names & {"preset", "parameters"}:
             from engine.shapes.parameters import PRESETS
 

@@ -321,6 +321,30 @@ def test_a_damaged_study_is_refused_and_the_open_one_stays(ready, qtbot, tmp_pat
     assert damaged.read_bytes() == b"this is no database" * 100
 
 
+def test_a_damaged_study_of_ones_own_is_told_and_matching_goes_on(qtbot, tmp_path, monkeypatch, cache, files):
+    monkeypatch.setenv("CONCORD_DATA", str(tmp_path / "data"))
+    monkeypatch.setenv("CONCORD_CACHE", cache)
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "my votes.db").write_bytes(b"damaged" * 1000)
+    window = MainWindow(dark=False)
+    qtbot.addWidget(window)
+    window.furnish()
+    window.files.pair(*files)
+    settle(window, qtbot)
+    assert "my votes.db" in window.messages.text.text()
+    assert window.session.state.result is not None
+    window.step_match(1)
+    window.answer("correct")
+    assert "the vote was not taken" in window.messages.text.text()
+    assert window.session.state.answers == {}
+    window.judging.open(tmp_path / "other.db", create=True)
+    settle(window, qtbot)
+    window.answer("correct")
+    settle(window, qtbot)
+    assert list(window.session.state.answers.values()) == ["correct"]
+    window.close()
+
+
 def test_a_new_study_starts_empty_and_the_old_votes_come_back(ready, qtbot, tmp_path):
     own = ready.session.state.study
     ready.step_match(1)

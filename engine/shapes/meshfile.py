@@ -1,26 +1,27 @@
 """Read meshes and their segment labels from files that strangers made.
 
-trimesh parses; everything it returns is checked before it is used. Face order is that of the file, because label
-files hold one integer a face in that order.
+Whatever a file holds, the answer is a checked mesh or one sentence. Face order is that of the file, because label files
+hold one integer a face in that order; a face of more than three corners becomes a fan of triangles with its label.
 """
 
-import logging
-import re
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from ..errors import BadInput
+from .glbfile import Part, read_glb
 from .mesh import Mesh
+from .plyfile import read_ply
+from .polygonfile import Polygons, read_obj, read_off, read_stl, shown, whole
 from .segmentation import Segmentation, SegmentedShape, segmentation_from_labels
 
 MESH_SUFFIXES = (".off", ".obj", ".ply", ".stl", ".glb")
 LARGEST_FILE = 2 * 2**30
-_PLY_LABEL_NAMES = ("segment", "segment_id", "label", "labels", "seg")
-_SPLIT_VERTICES = (".stl", ".obj", ".glb")  # formats or readers that repeat a vertex for each face or part
+_SPLIT_VERTICES = (".stl", ".obj", ".glb")  # formats that often repeat a vertex for each face or part
+_READERS: dict[str, Callable[[Path], Polygons]] = {".off": read_off, ".obj": read_obj, ".ply": read_ply, ".stl": read_stl}
 
 
 def load_shape(path: Path | str, labels: Path | str | None = None) -> SegmentedShape:
@@ -39,20 +40,35 @@ def load_shape(path: Path | str, labels: Path | str | None = None) -> SegmentedS
     beside = file.with_suffix(".seg")
     if labels is None and beside.is_file():
         labels = beside
-    parts = _read_parts(file, split=labels is None)
-    mesh, part = _joined(file, parts)
-    segmentation, note = _segments(file, labels, parts, mesh, part)
+    polygons = _read_polygons(file)
+    triangles, face = polygons.triangles()
+    mesh = Mesh(polygons.vertices, triangles, file.stem)
+    segmentation, note = _segments(file, labels, polygons, mesh, face)
     return SegmentedShape(mesh, segmentation, str(path), (note,) if note else ())
 
 
 def read_labels(path: Path | str) -> np.ndarray:
-    """Read a label file: one integer a face, (m,) int64. Raises `BadInput`."""
+    """Read a label file: one integer a face, (m,) int64; blank lines and a byte-order mark are passed over.
+
+    Raises
+    ------
+    BadInput
+        Names the first line that holds anything but whole numbers of 64 bits.
+    """
     file = _existing(path, kind="labels file")
+    data = file.read_bytes().removeprefix(b"\xef\xbb\xbf")
     try:
-        words = file.read_text(encoding="ascii").split()
-        return np.array([int(word) for word in words], dtype=np.int64)
-    except (UnicodeDecodeError, ValueError, OverflowError):
-        raise BadInput(f"The labels file {file} must hold one whole number a face and nothing else.") from None
+        return np.array([whole(word) for word in data.split()], dtype=np.int64)
+    except (ValueError, OverflowError):
+        number, word = next((n, w) for n, line in enumerate(data.splitlines(), start=1) for w in line.split() if not _fits(w))
+        raise BadInput(f"Line {number} of the labels file {file} says {shown(word)}; give one whole number a face.") from None
+
+
+def _fits(word: bytes) -> bool:
+    try:
+        return -(2**63) <= whole(word) < 2**63
+    except ValueError:
+        return False
 
 
 def _existing(path: Path | str, kind: str = "mesh file") -> Path:
@@ -61,6 +77,8 @@ def _existing(path: Path | str, kind: str = "mesh file") -> Path:
         size = file.stat().st_size
         if file.is_dir():
             raise BadInput(f"{file} is a folder; give a {kind}.")
+        if not file.is_file():
+            raise BadInput(f"{file} is no ordinary file; give a {kind}.")
         with file.open("rb"):
             pass
     except OSError as error:
@@ -75,105 +93,58 @@ def _existing(path: Path | str, kind: str = "mesh file") -> Path:
     return file
 
 
-def _read_parts(file: Path, *, split: bool) -> list[tuple[str, Any]]:
-    """The named trimesh geometries of a file, at least one; `split` keeps OBJ groups and GLB parts apart."""
-    import trimesh
-
-    logging.getLogger("trimesh").setLevel(logging.CRITICAL)
+def _read_polygons(file: Path) -> Polygons:
+    """The faces of a file, at least one, with the parts that it names."""
     suffix = file.suffix.lower()
-    options: dict[str, Any] = {"process": False}
-    if suffix == ".obj":
-        groups = split and _obj_marks(file)
-        options |= {"maintain_order": True, "skip_materials": True, "group_material": False}
-        options |= {f"split_{groups}s": True} if groups else {}
     try:
-        scene = trimesh.load_scene(file, **options)
-        parts = [(name, scene.geometry[geometry].copy().apply_transform(transform))
-                 for name, transform, geometry in _nodes(scene)]  # fmt: skip
-    except BaseException as error:
-        if isinstance(error, KeyboardInterrupt | MemoryError):
-            raise
-        raise BadInput(f"{file} cannot be read as {suffix[1:].upper()} ({_reason(error)}); repair or re-export it.") from None
-    parts = [(name, part) for name, part in parts if isinstance(part, trimesh.Trimesh)]
+        polygons = _of_parts(read_glb(file)) if suffix == ".glb" else _READERS[suffix](file)
+    except MemoryError:
+        raise BadInput(f"{file} needs more memory than there is; simplify it first.") from None
+    if not len(polygons.sizes):
+        raise BadInput(f"{file} has no faces: it holds no triangles; Concord needs a surface mesh.")
+    return polygons
+
+
+def _of_parts(parts: list[Part]) -> Polygons:
+    """Polygons of all parts of a scene, each with its part."""
     if not parts:
-        raise BadInput(f"{file} holds no triangles; Concord needs a surface mesh.")
-    _complete(file, sum(len(part.faces) for _, part in parts))
-    return parts
-
-
-def _reason(error: BaseException) -> str:
-    """The reader's own words where they are a short line, else what kind of failure it was."""
-    words = str(error).strip().rstrip(".")
-    return words if 0 < len(words) < 120 and "\n" not in words else f"it is damaged or misnamed: {type(error).__name__}"
-
-
-def _nodes(scene: Any) -> list[tuple[str, np.ndarray, str]]:
-    """Name, transform (4, 4) and geometry of each node of a scene that shows a geometry, in the file's order."""
-    return [(str(node), *scene.graph[node]) for node in scene.graph.nodes_geometry]
-
-
-def _obj_marks(file: Path) -> str:
-    """'group' or 'object' where an OBJ file names at least two of them, else ''."""
-    text = file.read_bytes()
-    for mark, word in ((b"g", "group"), (b"o", "object")):
-        if len(set(re.findall(rb"^" + mark + rb"[ \t]+(\S.*?)\s*$", text, flags=re.MULTILINE))) > 1:
-            return word
-    return ""
-
-
-def _complete(file: Path, faces: int) -> None:
-    """Refuse an OFF file that ends before the faces that its header promises."""
-    if file.suffix.lower() != ".off":
-        return
-    words = re.sub(r"#.*", "", file.read_bytes()[:4096].decode("latin-1")).replace("OFF", " ", 1).split()
-    if len(words) > 1 and words[1].isdigit() and faces < int(words[1]):
-        raise BadInput(f"{file} promises {int(words[1]):,} faces but holds {faces:,}; the file is cut off or damaged.")
-
-
-def _joined(file: Path, parts: list[tuple[str, Any]]) -> tuple[Mesh, np.ndarray]:
-    """One mesh of all parts and the part of each face, (m,) int64."""
-    offsets = np.cumsum([0, *(len(part.vertices) for _, part in parts)])
-    vertices = np.concatenate([np.asarray(part.vertices, dtype=np.float64) for _, part in parts])
-    rows = [np.asarray(part.faces, dtype=np.int64).reshape(-1, 3) for _, part in parts]
-    faces = np.concatenate([part + start for part, start in zip(rows, offsets, strict=False)])
-    owner = np.repeat(np.arange(len(parts)), [len(part.faces) for _, part in parts])
-    return Mesh(vertices, faces, file.stem), owner
+        return Polygons(np.zeros((0, 3)), np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
+    names, vertices, faces = zip(*parts, strict=True)
+    offsets = np.cumsum([0, *map(len, vertices)])
+    corners = np.concatenate([rows.ravel() + start for rows, start in zip(faces, offsets, strict=False)])
+    unique, inverse = np.unique(names, return_inverse=True)
+    part = np.repeat(inverse.ravel(), [len(rows) for rows in faces]) if len(unique) > 1 else None
+    sizes = np.full(len(corners) // 3, 3)
+    return Polygons(np.concatenate(vertices), sizes, corners, part, tuple(map(str, unique)), "the parts of the file")
 
 
 def _segments(
-    file: Path, labels: Path | str | None, parts: list[tuple[str, Any]], mesh: Mesh, part: np.ndarray
+    file: Path, labels: Path | str | None, polygons: Polygons, mesh: Mesh, face: np.ndarray
 ) -> tuple[Segmentation, str]:
+    """Segments and a sentence on where they came from; `face` (m,) is the polygon of each triangle."""
     if labels is not None:
-        values = read_labels(labels)
-        if len(values) != len(mesh.faces):
-            raise BadInput(
-                f"The labels file {labels} has {len(values):,} labels but {file} has {len(mesh.faces):,} faces; "
-                "give one label a face, in face order."
-            )
-        return segmentation_from_labels(values), ""
-    if file.suffix.lower() == ".ply":
-        found, name = _ply_labels(parts[0][1], len(mesh.faces))
-        if found is not None:
-            return segmentation_from_labels(found), f"Segments of {mesh.name} are the PLY face property '{name}'."
-    if len(parts) > 1:
-        kind = "groups" if file.suffix.lower() == ".obj" else "parts"
-        names, inverse = np.unique([name for name, _ in parts], return_inverse=True)
-        used, labels_of_faces = np.unique(inverse[part], return_inverse=True)
-        chosen = tuple(str(names[u]) for u in used)
-        return Segmentation(labels_of_faces, chosen), f"Segments of {mesh.name} are the {kind} of the file."
+        return _from_labels(file, labels, face, len(polygons.sizes))
+    if polygons.part is not None:
+        note = f"Segments of {mesh.name} are {polygons.origin}."
+        found = segmentation_from_labels(polygons.part[face])
+        names = tuple(polygons.part_names[int(n)] for n in found.names) if polygons.part_names else found.names
+        return Segmentation(found.labels, names), note
     note = f"{mesh.name} has no labels: its connected components are the segments."
     return segmentation_from_labels(components(mesh, merge=file.suffix.lower() in _SPLIT_VERTICES)), note
 
 
-def _ply_labels(part: Any, faces: int) -> tuple[np.ndarray | None, str]:
-    data = part.metadata.get("_ply_raw", {}).get("face", {}).get("data")
-    fields = data.dtype.names if data is not None and getattr(data, "dtype", None) is not None else data
-    for name in _PLY_LABEL_NAMES:
-        if fields is not None and name in fields:
-            values = np.asarray(data[name]).ravel()
-            if len(values) == faces and np.isfinite(values.astype(float)).all():
-                return values.astype(np.int64), name
-    return None, ""
+def _from_labels(file: Path, labels: Path | str, face: np.ndarray, count: int) -> tuple[Segmentation, str]:
+    """Segments from a label file with one label a polygon or, where the file has polygons, one a triangle of them."""
+    values = read_labels(labels)
+    if len(values) == count:
+        return segmentation_from_labels(values[face]), ""
+    if len(values) == len(face):
+        note = f"{file.name} has polygons; its labels are taken as one for each triangle of them, in the order of the file."
+        return segmentation_from_labels(values), note
+    cut = len(face) > count
+    faces = f"{count:,} polygons, which are {len(face):,} triangles" if cut else f"{count:,} faces"
+    advice = "give one label a polygon, or one a triangle" if cut else "give one label a face"
+    raise BadInput(f"The labels file {labels} has {len(values):,} labels but {file} has {faces}; {advice}, in the file's order.")
 
 
 def merged_vertices(mesh: Mesh) -> np.ndarray:

@@ -67,6 +67,20 @@ def main(argv: Sequence[str] | None = None) -> int:
         first, second = (str(file) if file else None for file in (source_labels, target_labels))
         return open_window((str(source), str(target)), (first, second))
 
+    @app.command
+    def demo(*, out: Path) -> None:
+        """Match and judge the bundled examples: results, report, a study and its table of precision.
+
+        Parameters
+        ----------
+        out
+            Folder for the results; made if it is missing.
+        """
+        from annotation.demo import run_demo
+        from engine.store import output_folder
+
+        run_demo(output_folder(out), report_pictures)
+
     return run(app, arguments)
 
 

@@ -1,4 +1,4 @@
-"""Where the window keeps things: settings, recent files, the default study. `CONCORD_DATA` overrides the folder."""
+"""Where the window keeps things: settings, recent files, the default study. `CONCORD_HOME` overrides the folder."""
 
 import os
 from collections.abc import Iterable
@@ -13,7 +13,7 @@ def data_folder() -> Path:
     """The user's own data folder of Concord, made if missing where that is possible."""
     import platformdirs
 
-    return Path(os.environ.get("CONCORD_DATA") or platformdirs.user_data_dir("concord"))
+    return Path(os.environ.get("CONCORD_HOME") or platformdirs.user_data_dir("concord"))
 
 
 def default_study() -> Path:

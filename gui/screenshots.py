@@ -16,7 +16,7 @@ def take_all(out: Path) -> list[Path]:
     written: list[Path] = []
     for dark in (False, True):
         with tempfile.TemporaryDirectory() as data:
-            os.environ["CONCORD_DATA"] = data
+            os.environ["CONCORD_HOME"] = data
             written += _take(out, dark)
     return written
 

@@ -37,8 +37,8 @@ class MatchResult:
     """The p accepted matches of a pair, best first.
 
     `pairs` (p, 2) int64 are node rows of the two graphs; `source_members` (p, s) and `target_members` (p, t) bool the
-    segments they unite; `score` (p,) float64 in [0, 1] is the confidence relative to the best match of the run (π of
-    Eq 3.4 in the thesis's method, the agreement score top-down), `similarity` (p,) in [0, 1] the geometric one,
+    segments they unite; `score` (p,) float64 in [0, 1] is π of Eq 3.4 relative to the best candidate in the thesis's
+    method, the mean agreement with the other matches top-down, `similarity` (p,) in [0, 1] the geometric one,
     `votes` (p,) int64 those of Algorithm 1; `ids` are content hashes of the matches (see `identity`).
     """
 

@@ -118,8 +118,9 @@ def reasons(match: Match, result: MatchResult) -> list[tuple[str, str]]:
     similarity = share_text(match.similarity)
     if thesis:
         similarity += f"  (at least {share_text(p.lfd_threshold)} is asked)"
-    score = f"{share_text(match.score)}  of the best match's " + ("confidence π" if thesis else "agreement")
-    votes = f"{match.votes}  " + ("by Algorithm 1" if thesis and p.voting else "from matches nested in it")
+    meaning = "of the best match's confidence π" if thesis else "mean agreement with the other matches"
+    score = f"{share_text(match.score)}  {meaning}"
+    votes = f"{match.votes}  " + ("match contains it on both sides" if match.votes == 1 else "matches contain it on both sides")
     return [
         ("Source", _side(result.source.segments, match.source, match.source_layer)),
         ("Target", _side(result.target.segments, match.target, match.target_layer)),

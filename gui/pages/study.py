@@ -33,6 +33,7 @@ class StudyPage(QWidget):
         self.words.setWordWrap(True)
         self.view = MeshPairView(self)
         self.view.setAcceptDrops(False)
+        self.view.set_captions(False)  # a name can tell where a shape came from
         self.counter, self.saved = QLabel("", self), QLabel("", self)
         self.buttons: dict[str, QPushButton] = {}
         column = QVBoxLayout(self)

@@ -47,6 +47,7 @@ class MeshPairView(QWidget):
         self._drawing: PairDrawing | None = None
         self._owned: list[PairDrawing] = []
         self._shown = self._linked = self._moving = self._dropping = False
+        self._captions = True
         self._shapes: list[LinkShape] = []
         self._pressed: tuple[QPointF, str] | None = None
         self._dragged: tuple[int, str] | None = None
@@ -138,8 +139,14 @@ class MeshPairView(QWidget):
         from .pair import PairDrawing
 
         self._drawing = PairDrawing(self._theme)
+        self._drawing.captions = self._captions
         self._owned.append(self._drawing)
         return True
+
+    def set_captions(self, shown: bool) -> None:
+        """Whether the names of the shapes stand above them."""
+        self._captions = shown
+        self._change(lambda d: setattr(d, "captions", shown))
 
     # --- cameras
 

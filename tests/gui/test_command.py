@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from assets import example_pairs
 from gui import display
 from gui.__main__ import main
 
@@ -65,3 +66,15 @@ def test_commands_without_a_window_import_neither_qt_nor_vtk():
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env={**os.environ})
     assert done.returncode == 0, done.stderr
     assert "thesis-rigid" in done.stdout
+
+
+def test_the_demo_goes_from_meshes_to_a_precision_table(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("annotation.demo.example_pairs", lambda: example_pairs()[:2])
+    monkeypatch.setattr("gui.__main__.report_pictures", lambda *pair: [])
+    for _ in range(2):  # a second run replaces the first
+        assert main(["demo", "--out", str(tmp_path / "out")]) == 0
+    written = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"matches.json", "matches.csv", "parameters.json", "report.html", "table.csv", "demo.study"} <= written
+    assert "top-down" in capsys.readouterr().out
+    assert main(["study", "table", str(tmp_path / "out" / "demo.study"), "--format", "csv"]) == 0
+    assert "lamps" in capsys.readouterr().out

@@ -41,7 +41,7 @@ def cache(tmp_path_factory):
 
 @pytest.fixture
 def window(qtbot, tmp_path, monkeypatch, cache):
-    monkeypatch.setenv("CONCORD_DATA", str(tmp_path / "data"))
+    monkeypatch.setenv("CONCORD_HOME", str(tmp_path / "data"))
     monkeypatch.setenv("CONCORD_CACHE", cache)
     made = MainWindow(dark=False)
     made.furnish()
@@ -322,7 +322,7 @@ def test_a_damaged_study_is_refused_and_the_open_one_stays(ready, qtbot, tmp_pat
 
 
 def test_a_damaged_study_of_ones_own_is_told_and_matching_goes_on(qtbot, tmp_path, monkeypatch, cache, files):
-    monkeypatch.setenv("CONCORD_DATA", str(tmp_path / "data"))
+    monkeypatch.setenv("CONCORD_HOME", str(tmp_path / "data"))
     monkeypatch.setenv("CONCORD_CACHE", cache)
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "my votes.db").write_bytes(b"damaged" * 1000)
@@ -561,7 +561,7 @@ def test_a_hundred_random_actions_leave_the_window_whole(ready, qtbot, monkeypat
 
 
 def test_closing_while_matching_leaves_nothing(qtbot, tmp_path, monkeypatch, files):
-    monkeypatch.setenv("CONCORD_DATA", str(tmp_path / "data"))
+    monkeypatch.setenv("CONCORD_HOME", str(tmp_path / "data"))
     monkeypatch.setenv("CONCORD_CACHE", str(tmp_path / "cache"))
 
     def live_and_go():

@@ -162,10 +162,14 @@ def read_obj(file: Path) -> Polygons:
 def _obj_lines(file: Path) -> list[bytes]:
     """Lines of an OBJ file; a line that ends in a backslash takes in the next, which leaves an empty one behind."""
     lines = file.read_bytes().removeprefix(b"\xef\xbb\xbf").splitlines()
-    for n in range(len(lines) - 1, 0, -1):
-        if lines[n - 1].endswith(b"\\"):
-            lines[n - 1], lines[n] = lines[n - 1][:-1] + b" " + lines[n], b""
-    return lines
+    joined: list[bytes] = []
+    held: list[bytes] = []
+    for line in lines:
+        held.append(line.removesuffix(b"\\"))
+        if not line.endswith(b"\\"):
+            joined += [b" ".join(held), *[b""] * (len(held) - 1)]
+            held = []
+    return [*joined, b" ".join(held)]
 
 
 def _obj_corner(word: bytes, vertices: int) -> int:

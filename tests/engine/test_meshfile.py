@@ -189,6 +189,12 @@ def test_obj_corners_count_back_from_the_vertices_so_far(tmp_path):
     assert load_shape(write(tmp_path, "a.obj", text)).mesh.faces.tolist() == [[0, 1, 2], [3, 4, 5], [0, 1, 5]]
 
 
+def test_a_long_chain_of_continued_obj_lines_takes_no_long_time(tmp_path):
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 \\\n" + "\\\n" * 200_000 + "3\nf 1 2 9\n"
+    with pytest.raises(BadInput, match=r"Face 1 of .* outside"):
+        load_shape(write(tmp_path, "a.obj", text))
+
+
 @pytest.mark.parametrize("face", ["f 0 1 2", "f 1 2 4", "f -4 1 2", "f 1 2", "f 1 2 x", "f 1//// 2 3", "f 1 2 3_1", "n 1 2 3",
                                   "f 1 2 " + "9" * 30])  # fmt: skip
 def test_obj_faces_that_make_no_sense_are_refused(tmp_path, face):

@@ -1,6 +1,6 @@
 """`concord demo`: the main job on the bundled examples, from meshes to a precision table."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,45 +11,39 @@ from engine.shapes.parameters import DEFAULT_PRESET, preset
 from engine.store import default_cache, write_atomically
 
 from .precision import ballots, precision_table
-from .study import add_result, create_study, record_vote
+from .study import add_result, answers, create_study, open_study, record_vote
 from .tabletext import render
 
 if TYPE_CHECKING:
+    from engine.report import PictureMaker
     from engine.shapes.result import MatchResult
-    from engine.shapes.segmentation import SegmentedShape
 
     from .database import StudyFile
 
 PRESETS = (DEFAULT_PRESET, "thesis-rigid", "thesis-rigid-size")
 TRUTH = "truth"  # the code that the known classes of the examples vote under
 
-PictureMaker = Callable[["SegmentedShape", "SegmentedShape", "MatchResult"], list[tuple[str, bytes]]]
-
-
-def run_demo(folder: Path, draw: PictureMaker) -> None:
+def run_demo(folder: Path, draw: "PictureMaker") -> None:
     """Match the first bundled pair into `folder`, and all pairs under three presets into a study with its table.
 
     The study's votes come from one volunteer, "truth": the semantic classes that ship with the examples, by the
     lenient rule. `table.txt`, `table.csv` and the report hold the precision table; `demo.study` can be opened and
-    voted on.
+    voted on, and a second run keeps the votes that are there.
     """
     from engine.matchfile import write_matches
-    from engine.report import write_report
+    from engine.report import report_page
     from engine.shapes.meshfile import load_shape
 
-    _, first, second = example_pairs()[0]
-    source, target = load_shape(first), load_shape(second)
     file = folder / "demo.study"
-    for old in folder.glob("demo.study*"):
-        old.unlink()
-    with create_study(file, name="Bundled examples") as study:
+    opened = open_study(file) if file.exists() else create_study(file, name="Bundled examples")
+    with opened as study:
         shown = _judge_examples(study)
         rows, votes = precision_table(study), ballots(study)
     table = render(rows, votes)
     write_atomically(folder / "table.txt", table)
     write_atomically(folder / "table.csv", render(rows, votes, "csv"))
-    write_matches(shown, folder)
-    write_report(shown, folder / "report.html", draw(source, target, shown), [_section(table)])
+    source, target = (load_shape(path) for path in example_pairs()[0][1:])
+    write_matches(shown, folder, report=report_page(shown, draw(source, target, shown), [_section(table)]))
     print(table)
     print(f"{len(shown.ids)} matches between {source.mesh.name} and {target.mesh.name}; all results are in {folder}")
 
@@ -80,12 +74,15 @@ def _judge_examples(study: "StudyFile") -> "MatchResult":
 
 
 def _vote_by_truth(study: "StudyFile", result: "MatchResult", right: Sequence[bool]) -> None:
+    given = answers(study, TRUTH)
     for item, answer in zip(result.ids, right, strict=True):
-        record_vote(study, item, TRUTH, "correct" if answer else "wrong")
+        vote = "correct" if answer else "wrong"
+        if given.get(item) != vote:
+            record_vote(study, item, TRUTH, vote)
 
 
 def _section(table: str) -> tuple[str, str]:
     from html import escape
 
-    words = "Votes of one volunteer, the semantic classes that ship with the six bundled pairs (lenient rule)."
+    words = "Votes of the semantic classes that ship with the bundled pairs (volunteer truth, lenient rule), and of people."
     return "Precision on the bundled examples", f"<p>{escape(words)}</p><pre>{escape(table)}</pre>"

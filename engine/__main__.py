@@ -1,7 +1,7 @@
 """The headless command line, `python -m engine`; also mounted by `concord`, which adds pictures and the window."""
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,18 +13,17 @@ from .shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters, preset
 from .store import default_cache, output_folder
 
 if TYPE_CHECKING:
+    from .report import Picture, PictureMaker
     from .shapes.result import MatchResult
     from .shapes.segmentation import SegmentedShape
 
-PictureMaker = Callable[["SegmentedShape", "SegmentedShape", "MatchResult"], list[tuple[str, bytes]]]
 
-
-def no_pictures(source: "SegmentedShape", target: "SegmentedShape", result: "MatchResult") -> list[tuple[str, bytes]]:
+def no_pictures(source: "SegmentedShape", target: "SegmentedShape", result: "MatchResult") -> "list[Picture]":
     """Reports of the bare engine have no pictures: drawing needs VTK."""
     return []
 
 
-def build_app(draw: PictureMaker = no_pictures) -> App:
+def build_app(draw: "PictureMaker" = no_pictures) -> App:
     """The engine's commands; `draw` makes the pictures of a report."""
     app = App(name="concord", help="Find consistent correspondences between segmented shapes.", version=_version)
 
@@ -59,10 +58,9 @@ def build_app(draw: PictureMaker = no_pictures) -> App:
         """
         from .shapes.meshfile import load_shape
 
-        folder = output_folder(out)
         values = chosen_parameters(preset, set or (), parameters)
         shapes = load_shape(source, source_labels), load_shape(target, target_labels)
-        match_into(folder, *shapes, values, preset, draw)
+        match_into(output_folder(out), shapes[0], shapes[1], values, preset_name(values, preset), draw)
         return 0
 
     @app.command(name="parameters")
@@ -107,7 +105,9 @@ def build_app(draw: PictureMaker = no_pictures) -> App:
             written = make_collection(
                 folder, families=family or (), count=pairs, seed=seed, variant=variant, segments=segments, pose=pose,
                 progress=progress)  # fmt: skip
-        print(f"{len(written)} meshes written to {folder}, with their labels (.seg) and truth (.sem)")
+        counts = [len(set(path.with_suffix(".seg").read_text().split())) for path in written]
+        print(f"{len(written)} meshes of {min(counts)} to {max(counts)} segments written to {folder}, "
+              "with their labels (.seg) and truth (.sem)")  # fmt: skip
 
     return app
 
@@ -117,19 +117,17 @@ def match_into(
     source: "SegmentedShape",
     target: "SegmentedShape",
     parameters: MatchParameters,
-    preset_name: str,
-    draw: PictureMaker = no_pictures,
-    extra: Callable[["MatchResult"], Sequence[tuple[str, str]]] = lambda result: (),
+    name: str,
+    draw: "PictureMaker" = no_pictures,
 ) -> "MatchResult":
-    """Match two shapes, print what came out and write the four result files; `extra` adds sections to the report."""
+    """Match two shapes, print what came out and write the four result files; `name` is that of the preset."""
     from .matchfile import write_matches
-    from .report import write_report
+    from .report import report_page
     from .shapes.matching import match_shapes
 
     with progress_bar() as progress:
-        result = match_shapes(source, target, parameters, preset=preset_name, progress=progress, cache=default_cache())
-    write_matches(result, folder)
-    write_report(result, folder / "report.html", draw(source, target, result), extra(result))
+        result = match_shapes(source, target, parameters, preset=name, progress=progress, cache=default_cache())
+    write_matches(result, folder, report=report_page(result, draw(source, target, result)))
     for note in result.notes:
         print(f"note: {note}")
     seconds = ", ".join(f"{step} {value:.2f}" for step, value in result.seconds.items())
@@ -137,6 +135,17 @@ def match_into(
           f"{result.source_nodes} nodes) and {target.mesh.name} ({target.segmentation.count} segments, "
           f"{result.target_nodes} nodes)\nseconds: {seconds}\nwritten to {folder}")  # fmt: skip
     return result
+
+
+def preset_name(values: MatchParameters, asked: str) -> str:
+    """The preset that a result goes by: the one that was asked for, another that has these values, or none.
+
+    None where the method is not that of the preset asked for, as a parameters file may make it.
+    """
+    equal = [name for name, known in PRESETS.items() if known == values]
+    if equal:
+        return asked if asked in equal else equal[0]
+    return asked if PRESETS[asked].method == values.method else ""
 
 
 def chosen_parameters(preset_name: str, settings: Sequence[str], file: Path | None) -> MatchParameters:

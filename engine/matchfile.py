@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .shapes.result import MatchResult, ShapeRecord
-from .store import write_atomically
+from .store import write_together
 
 SCHEMA = "concord.matches/1"
 
@@ -52,12 +53,12 @@ def _labels(record: ShapeRecord, segments: Iterable[int]) -> list[int | str]:
 
 
 def result_to_csv(result: MatchResult) -> str:
-    """One line a match; cells that a spreadsheet would run as a formula are escaped."""
+    """One line a match, segments joined by semicolons; cells that a spreadsheet would run as a formula are escaped."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["id", "source", "target", "score", "votes", "source_layer", "target_layer", "similarity"])
     for m in result.matches():
-        source, target = (" ".join(map(str, _labels(record, segments))) for record, segments in
+        source, target = (";".join(map(str, _labels(record, segments))) for record, segments in
                           ((result.source, m.source), (result.target, m.target)))  # fmt: skip
         writer.writerow([m.id, safe_cell(source), safe_cell(target), f"{m.score:.6f}", m.votes, m.source_layer,
                          m.target_layer, f"{m.similarity:.6f}"])  # fmt: skip
@@ -70,21 +71,22 @@ def safe_cell(text: str) -> str:
 
 
 def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+    """Whether the text is a number, or whole numbers joined by semicolons."""
+    return re.fullmatch(r"[+-]?\d+(\.\d*)?|[+-]?\d+(;[+-]?\d+)*", text) is not None
 
 
-def write_matches(result: MatchResult, folder: Path | str) -> list[Path]:
-    """Write `matches.json`, `matches.csv` and `parameters.json` into a folder that exists; returns the three paths."""
+def write_matches(result: MatchResult, folder: Path | str, *, report: str = "") -> list[Path]:
+    """Write `matches.json`, `matches.csv`, `parameters.json` and, where given, `report.html` into a folder that exists.
+
+    All are written, or none; returns their paths. Raises `BadInput`.
+    """
     folder = Path(folder)
-    contents = {
-        "matches.json": json.dumps(result_to_json(result), indent=1, ensure_ascii=False) + "\n",
-        "matches.csv": result_to_csv(result),
-        "parameters.json": json.dumps(result.parameters.model_dump(), indent=1) + "\n",
+    contents: dict[Path, bytes | str] = {
+        folder / "matches.json": json.dumps(result_to_json(result), indent=1, ensure_ascii=False) + "\n",
+        folder / "matches.csv": result_to_csv(result),
+        folder / "parameters.json": json.dumps(result.parameters.model_dump(), indent=1) + "\n",
     }
-    for name, content in contents.items():
-        write_atomically(folder / name, content)
-    return [folder / name for name in contents]
+    if report:
+        contents[folder / "report.html"] = report
+    write_together(contents)
+    return list(contents)

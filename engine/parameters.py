@@ -23,6 +23,7 @@ def parameter(
     low: float | None = None,
     high: float | None = None,
     step: float | None = None,
+    multiple: int | None = None,
     symbol: str = "",
     unit: str = "",
     equation: str = "",
@@ -34,12 +35,13 @@ def parameter(
 
     `group` is the step that it belongs to (the heading above its slider), `live` says that a change costs
     milliseconds and may be followed while a slider moves, `methods` restricts it to some methods (all if empty).
+    `step` is how far a slider moves at a time, `multiple` demands multiples of a number.
     """
     extra: dict[str, Any] = {
         "symbol": symbol, "unit": unit, "equation": equation, "group": group,
-        "live": live, "methods": list(methods), "step": step,
+        "live": live, "methods": list(methods), "step": multiple or step, "multiple": multiple,
     }  # fmt: skip
-    return Field(default=default, ge=low, le=high, description=doc, json_schema_extra=extra)
+    return Field(default=default, ge=low, le=high, multiple_of=multiple, description=doc, json_schema_extra=extra)
 
 
 class ParameterInfo(NamedTuple):
@@ -51,6 +53,7 @@ class ParameterInfo(NamedTuple):
     low: float | None
     high: float | None
     step: float | None
+    multiple: int | None
     choices: tuple[str, ...]
     doc: str
     symbol: str
@@ -66,7 +69,7 @@ class Parameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
-    def changed(self, **values: Any) -> Self:
+    def changed(self, /, **values: Any) -> Self:
         """A checked copy with some values replaced; raises `BadParameter` with one clear sentence."""
         return checked(type(self), {**self.model_dump(), **values})
 
@@ -97,7 +100,8 @@ def _info(model: type[Parameters], name: str) -> ParameterInfo:
         kind = "switch" if field.annotation is bool else "integer" if field.annotation is int else "real"
     return ParameterInfo(
         name=name, kind=kind, default=field.default, low=limits.get("ge"), high=limits.get("le"),
-        step=extra.get("step"), choices=choices, doc=field.description or "", symbol=extra.get("symbol", ""),
+        step=extra.get("step"), multiple=extra.get("multiple"), choices=choices,
+        doc=field.description or "", symbol=extra.get("symbol", ""),
         unit=extra.get("unit", ""), equation=extra.get("equation", ""), group=extra.get("group", ""),
         live=extra.get("live", False), methods=tuple(extra.get("methods", ())),
     )  # fmt: skip
@@ -124,6 +128,7 @@ def _sentence(model: type[Parameters], error: ValidationError) -> str:
     else:
         noun = "a whole number" if info.kind == "integer" else "a number"
         wanted = noun + (f" from {info.low:g} to {info.high:g}" if info.low is not None and info.high is not None else "")
+        wanted += f", a multiple of {info.multiple}" if info.multiple else ""
     return f"The parameter '{name}' cannot be {first['input']!r}: it takes {wanted}."
 
 
@@ -144,7 +149,7 @@ def read_values(path: Path) -> dict[str, Any]:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise BadInput(f"The parameters file {path} cannot be read: {error.strerror}.") from None
-    except ValueError:
+    except (ValueError, RecursionError):
         raise BadInput(f"The parameters file {path} is not JSON; give a parameters.json that a run has written.") from None
     if not isinstance(content, dict):
         raise BadInput(f"The parameters file {path} must hold one JSON object of names and values.")

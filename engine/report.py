@@ -1,7 +1,7 @@
 """One self-contained HTML page: what was run with what, and what came out."""
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from html import escape
 from pathlib import Path
 
@@ -10,9 +10,10 @@ import numpy as np
 from .parameters import declared
 from .shapes.parameters import PRESETS, MatchParameters
 from .shapes.result import MatchResult, ShapeRecord
-from .store import write_atomically
+from .shapes.segmentation import SegmentedShape
 
 Picture = tuple[str, bytes]  # title and PNG
+PictureMaker = Callable[[SegmentedShape, SegmentedShape, MatchResult], list[Picture]]
 
 _STYLE = """
 :root { color-scheme: light dark; --paper: #fafaf7; --ink: #22252a; --faint: #8a8f98; --line: #dcdcd6; --accent: #0072b2 }
@@ -29,10 +30,10 @@ ul { padding-left: 1.2rem } details summary { cursor: pointer }
 """
 
 
-def write_report(
-    result: MatchResult, path: Path | str, pictures: Sequence[Picture] = (), extra: Sequence[tuple[str, str]] = ()
-) -> None:
-    """Write the report of a match.
+def report_page(
+    result: MatchResult, pictures: Sequence[Picture] = (), extra: Sequence[tuple[str, str]] = ()
+) -> str:
+    """The report of a match as one HTML page.
 
     Parameters
     ----------
@@ -45,7 +46,7 @@ def write_report(
         _pictures(pictures), _matches(result), *(f"<h2>{escape(head)}</h2>{body}" for head, body in extra),
         _notes(result), _parameters(result.parameters, result.preset), _seconds(result),
     ]  # fmt: skip
-    write_atomically(path, page(_title(result), _lead(result), sections))
+    return page(_title(result), _lead(result), sections)
 
 
 def page(title: str, lead: str, sections: Sequence[str]) -> str:

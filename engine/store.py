@@ -4,7 +4,7 @@ import contextlib
 import hashlib
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -14,21 +14,35 @@ from .errors import BadInput
 
 def write_atomically(path: Path | str, data: bytes | str) -> None:
     """Write beside the file and rename over it; raises `BadInput` in one sentence where that is impossible."""
-    target = Path(path)
-    content = data.encode("utf-8") if isinstance(data, str) else data
-    staged = ""
+    write_together({Path(path): data})
+
+
+def write_together(contents: Mapping[Path, bytes | str]) -> None:
+    """Write several files whole: all are staged beside their places before the first takes its name.
+
+    Raises `BadInput` in one sentence where one cannot be written; then no file has changed.
+    """
+    staged: dict[Path, str] = {}
+    target = Path()
     try:
-        with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as handle:
-            staged = handle.name
-            handle.write(content)
-            handle.flush()
-            os.fsync(handle.fileno())
-        os.chmod(staged, 0o666 & ~_umask())
-        os.replace(staged, target)
+        for target, data in contents.items():
+            if target.is_dir():
+                raise IsADirectoryError(21, "there is a folder of that name")
+            with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as handle:
+                staged[target] = handle.name
+                handle.write(data.encode("utf-8") if isinstance(data, str) else data)
+                handle.flush()
+                os.fsync(handle.fileno())
+            os.chmod(staged[target], 0o666 & ~_umask())
+        for target in contents:
+            os.replace(staged[target], target)
+            del staged[target]
     except OSError as error:
-        with contextlib.suppress(OSError):
-            os.unlink(staged)
         raise BadInput(f"{target} cannot be written ({error.strerror}); choose another folder or make room.") from None
+    finally:
+        for left in staged.values():
+            with contextlib.suppress(OSError):
+                os.unlink(left)
 
 
 def _umask() -> int:
@@ -65,23 +79,27 @@ class Cache:
             with contextlib.suppress(OSError):
                 os.utime(path)
             return found
-        except (OSError, ValueError, KeyError, EOFError):
+        except MemoryError:
+            raise
+        except Exception:  # a damaged zip raises nearly anything: BadZipFile, NotImplementedError, zlib.error, …
             pass
-        except Exception as error:  # zipfile.BadZipFile, zlib.error: both come from a damaged file
-            if type(error).__name__ not in ("BadZipFile", "error"):
-                raise
         made = make()
         self._keep(path, made)
         return made
 
     def _keep(self, path: Path, arrays: dict[str, np.ndarray]) -> None:
         """Write the file whole; a full or read-only disk costs only the next run's time."""
-        with contextlib.suppress(OSError):
+        staged = ""
+        try:
             self.folder.mkdir(parents=True, exist_ok=True)
             with tempfile.NamedTemporaryFile(dir=self.folder, suffix=".part", delete=False) as handle:
+                staged = handle.name
                 np.savez(handle, **arrays)  # type: ignore[arg-type]
-            os.replace(handle.name, path)
+            os.replace(staged, path)
             self._shrink()
+        except OSError:
+            with contextlib.suppress(OSError):
+                os.unlink(staged)
 
     def _shrink(self) -> None:
         """Drop the files used longest ago until the folder is below its largest size."""

@@ -8,6 +8,7 @@ need() { # need SONAME PACKAGE
 }
 
 libraries=$( (ldconfig -p 2>/dev/null || /sbin/ldconfig -p 2>/dev/null) | sed 's/^[[:space:]]*\([^ ]*\).*/\1/')
+need libgomp.so.1 libgomp1
 need libGL.so.1 libgl1
 need libEGL.so.1 libegl1
 need libglib-2.0.so.0 libglib2.0-0

@@ -23,9 +23,10 @@ def greedy(
     conflicts: Callable[[int, np.ndarray], np.ndarray],
     *,
     first: np.ndarray | None = None,
-    least: float = 0.0,
 ) -> np.ndarray:
     """Accept candidates one-to-one in descending confidence, ties by index; rejects what an accepted one excludes.
+
+    Candidates with a confidence of 0 are never accepted, unless they are among `first`.
 
     Parameters
     ----------
@@ -35,15 +36,12 @@ def greedy(
         `conflicts(a, others)` bool: which of the candidates `others` (rows) cannot stand beside the accepted row a.
     first
         Candidates (rows) that come before all others, in this order; they too must not conflict.
-    least
-        Candidates must have a confidence above it.
-
     Returns
     -------
     Rows of the accepted candidates, in the order of acceptance.
     """
     left = np.argsort(-confidence, kind="stable")
-    left = left[confidence[left] > least]
+    left = left[confidence[left] > 0]
     if first is not None and len(first):
         left = np.concatenate([first, left[~np.isin(left, first)]])
     accepted = []

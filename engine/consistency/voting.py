@@ -3,6 +3,13 @@
 import numpy as np
 
 
+def nesting(members: np.ndarray) -> np.ndarray:
+    """Whether node a is a proper part of node b, (p, p) bool, from the memberships (p, s) bool of p nodes."""
+    m = members.astype(np.float32)
+    size = m.sum(axis=1)
+    return ((m @ m.T) >= size[:, None]) & (size[:, None] < size[None])
+
+
 def containment(inside_source: np.ndarray, inside_target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Votes and conflicts of matches from strict containment.
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..errors import BadInput
-from ..progress import Progress, silent
+from ..progress import Progress, share, silent
 from ..store import Cache, cache_key
 from .hops import hop_distances
 from .identity import mesh_id, node_id, segment_ids
@@ -20,7 +20,7 @@ from .result import ShapeRecord
 from .segmentation import SegmentedShape, SegmentGraph
 from .segmentgraph import build_segment_graph
 
-CACHE_VERSION = "describe/1"
+CACHE_VERSION = "describe/2"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,23 +62,30 @@ def describe(
 ) -> DescribedShape:
     """Graphs, measures and descriptors of one shape.
 
-    Raises `BadInput` where the shape has a single segment: there is nothing to match part by part.
+    Raises `BadInput` where the shape has a single segment (there is nothing to match part by part) or too many.
     """
     if shape.segmentation.count < 2:
         raise BadInput(
-            f"{shape.mesh.name} has one single segment; give labels with at least two (a .seg file, one integer a face)."
+            f"{shape.mesh.name} has one single segment; give labels with at least two (a .seg file, one a face)."
+        )
+    if shape.segmentation.count > parameters.most_segments:
+        raise BadInput(
+            f"{shape.mesh.name} has {shape.segmentation.count:,} segments, more than most_segments = "
+            f"{parameters.most_segments:,}; give labels of parts, or raise most_segments."
         )
     watch = Stopwatch()
     progress(0.0, f"segment graph of {shape.mesh.name}")
     with watch("segment graph"):
         graph, notes = build_segment_graph(
-            shape, adjacency=parameters.adjacency, touch_distance=parameters.touch_distance, seed=parameters.seed)  # fmt: skip
+            shape, adjacency=parameters.adjacency, touch_distance=parameters.touch_distance,
+            touch_samples=parameters.touch_samples, seed=parameters.seed)  # fmt: skip
     with watch("multi-layer graph"):
-        layers = build_multilayer_graph(graph, parameters, graph.adjacency().astype(np.float64))
+        weights = graph.adjacency().astype(np.float64)
+        layers = build_multilayer_graph(graph, parameters, weights, progress=share(progress, 0.05, 0.1))
         hops = hop_distances(len(layers.members), layers.edges)
     progress(0.1, f"geodesic distances of {shape.mesh.name}")
     with watch("geodesics"):
-        measures = measure(shape, graph, layers.members, parameters.seed)
+        measures = measure(shape, graph, layers.members, points=parameters.geodesic_points, seed=parameters.seed)
     with watch("descriptors"):
         descriptors = _descriptors(shape, layers.members, parameters, progress, cache)
     ids = segment_ids(shape.mesh, shape.segmentation)
@@ -96,13 +103,13 @@ def _descriptors(
     def make() -> dict[str, np.ndarray]:
         found = light_field_descriptors(
             shape.mesh, shape.segmentation.labels, members, light_fields=p.light_fields, resolution=p.resolution,
-            seed=p.seed, progress=lambda part, words: progress(0.2 + 0.8 * part, words))  # fmt: skip
+            seed=p.seed, own_scale=p.own_scale, progress=share(progress, 0.2, 1.0))  # fmt: skip
         return {"descriptors": found}
 
     if cache is None:
         return make()["descriptors"]
     key = cache_key(CACHE_VERSION, shape.mesh.vertices, shape.mesh.faces, shape.segmentation.labels,
-                    np.packbits(members, axis=1), p.light_fields, p.resolution, p.seed)  # fmt: skip
+                    np.packbits(members, axis=1), p.light_fields, p.resolution, p.seed, p.own_scale)  # fmt: skip
     return cache.arrays(key, make)["descriptors"]
 
 

@@ -4,11 +4,12 @@ A union is a Python integer whose bit i says that segment i belongs to it. All m
 size or layer by itself, so that no region of the shape is dropped.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 Unions = list[int]
+Around = dict[int, int]  # union -> the segments adjacent to any of its own
 Pairs = dict[int, list[tuple[int, int]]]  # union -> the pairs of smaller nodes that generate it
 
 
@@ -22,21 +23,15 @@ def bits(union: int) -> list[int]:
     return found
 
 
-def border(union: int, neighbours: Sequence[int]) -> int:
-    """The segments adjacent to a union and not in it, as bits."""
-    around = 0
-    for i in bits(union):
-        around |= neighbours[i]
-    return around & ~union
-
-
-def grown(unions: Iterable[int], neighbours: Sequence[int]) -> Unions:
-    """All distinct unions with one adjacent segment more."""
-    found: dict[int, None] = {}
-    for union in unions:
-        for i in bits(border(union, neighbours)):
-            found[union | (1 << i)] = None
-    return list(found)
+def grown(unions: Around, neighbours: Sequence[int]) -> Around:
+    """All distinct unions with one adjacent segment more, and what lies around each."""
+    found: Around = {}
+    for union, around in unions.items():
+        for i in bits(around & ~union):
+            larger = union | (1 << i)
+            if larger not in found:
+                found[larger] = around | neighbours[i]
+    return found
 
 
 def members_of(unions: Sequence[int], count: int) -> np.ndarray:
@@ -70,56 +65,66 @@ def spread_best(members: np.ndarray, cost: np.ndarray, most: int) -> np.ndarray:
     return np.sort(order[np.argsort(place, kind="stable")[:most]])
 
 
-def connected_sets(
-    neighbours: Sequence[int], weights: np.ndarray, *, largest: int, most: int
-) -> tuple[Unions, bool]:
+def connected_sets(neighbours: Sequence[int], weights: np.ndarray, *, largest: int, most: int) -> tuple[Unions, bool]:
     """All connected unions of 2..`largest` segments; each size is capped by its share of `most`.
 
-    Returns the unions by size, and whether a cap was met.
+    Returns the unions by size, and whether the cap was met.
     """
     count = len(neighbours)
     sizes = range(2, min(largest, count - 1) + 1)
-    level: Unions = [1 << i for i in range(count)]
+    level: Around = {1 << i: neighbours[i] for i in range(count)}
     result: Unions = []
     capped = False
     for position, _ in enumerate(sizes):
         level = grown(level, neighbours)
-        quota = max(1, (most - len(result)) // (len(sizes) - position))
-        if len(level) > quota:
-            capped = True
-            members = members_of(level, count)
-            level = [level[row] for row in spread_best(members, normalised_cuts(members, weights), quota)]
+        quota = (most - len(result)) // (len(sizes) - position)
+        capped |= len(level) > quota
+        level = _best(level, weights, quota)
         result += level
     return result, capped
 
 
-def beam_sets(neighbours: Sequence[int], weights: np.ndarray, *, most: int) -> tuple[Unions, bool]:
-    """Connected unions of every size, the best by normalised cut, at most `most` of them.
+def beam_sets(
+    neighbours: Sequence[int],
+    weights: np.ndarray,
+    *,
+    largest: int,
+    most: int,
+    tell: Callable[[float], None] = lambda share: None,
+) -> tuple[Unions, bool]:
+    """Connected unions of 2..`largest` segments, the best by normalised cut, at most `most` of them.
 
     Sizes grow one by one, but beyond 6 segments only about every fifth larger size is kept, as neighbouring sizes
-    hold nearly the same unions.
+    hold nearly the same unions. `tell` is called with the share of the sizes done.
     """
     count = len(neighbours)
-    kept_sizes = _kept_sizes(count - 1)
-    level: Unions = [1 << i for i in range(count)]
+    largest = min(largest, count - 1)
+    kept_sizes = _kept_sizes(largest)
+    level: Around = {1 << i: neighbours[i] for i in range(count)}
     result: Unions = []
     capped, position = False, 0
-    for size in range(2, count):
+    for size in range(2, largest + 1):
+        tell(size / count)
         level = grown(level, neighbours)
-        if not level:
-            break
-        quota = max(1, (most - len(result)) // max(1, len(kept_sizes) - position))
-        width = max(quota, 3 * count)
-        members = members_of(level, count)
-        cost = normalised_cuts(members, weights)
+        quota = (most - len(result)) // max(1, len(kept_sizes) - position)
         if size in kept_sizes:
             position += 1
-            result += [level[row] for row in spread_best(members, cost, quota)]
             capped |= len(level) > quota
-        if len(level) > width:
-            capped = True
-            level = [level[row] for row in spread_best(members, cost, width)]
+            level = _best(level, weights, max(quota, count))
+            result += _best(level, weights, quota)
+        else:
+            level = _best(level, weights, max(quota, count))
     return result, capped
+
+
+def _best(level: Around, weights: np.ndarray, most: int) -> Around:
+    """At most `most` unions of a level, by `spread_best` on their normalised cuts."""
+    if len(level) <= most:
+        return level
+    unions = list(level)
+    members = members_of(unions, len(weights))
+    rows = spread_best(members, normalised_cuts(members, weights), most)
+    return {unions[row]: level[unions[row]] for row in rows}
 
 
 def _kept_sizes(largest: int) -> set[int]:
@@ -131,20 +136,27 @@ def _kept_sizes(largest: int) -> set[int]:
 
 
 def layered_unions(
-    neighbours: Sequence[int], layer_of: Callable[[int], int], *, layers: int, most: int, relaxed: bool
+    neighbours: Sequence[int],
+    layer_of: Callable[[int], int],
+    *,
+    layers: int,
+    largest: int,
+    most: int,
+    relaxed: bool,
 ) -> tuple[Unions, Pairs, bool]:
     """The recursion of Eq 3.1: unions of two adjacent or overlapping nodes of one layer m, placed by their size.
 
-    `layer_of` gives the layer of a union; it must lie above m, or for `relaxed` and m >= 2 may be m itself.
+    `layer_of` gives the layer of a union of at most `largest` segments; it must lie above m, or for `relaxed` and
+    m >= 2 may be m itself.
 
     Returns the unions in order of discovery, the pairs that generate each, and whether a layer met its cap.
     """
     bottom: Unions = [1 << i for i in range(len(neighbours))]
     known: dict[int, int] = dict.fromkeys(bottom, 1)
     by_layer: list[Unions] = [[], bottom, *([] for _ in range(layers - 1))]
-    touch = {union: border(union, neighbours) | union for union in bottom}
+    touch = {union: neighbours[i] | union for i, union in enumerate(bottom)}
     pairs: Pairs = {}
-    quota, capped = max(1, most // max(1, layers - 1)), False
+    quota, capped = most // max(1, layers - 1), False
     for m in range(1, layers + 1):
         nodes = by_layer[m]
         done = 0
@@ -152,7 +164,7 @@ def layered_unions(
             b, done = nodes[done], done + 1
             for a in nodes[: done - 1]:
                 union = a | b
-                if not touch[a] & b or union in (a, b):
+                if not touch[a] & b or union in (a, b) or union.bit_count() > largest:
                     continue
                 layer = known.get(union) or layer_of(union)
                 if layer < m or (layer == m and not (relaxed and m >= 2)):

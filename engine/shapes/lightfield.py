@@ -19,7 +19,6 @@ from .moments import COEFFICIENTS, GRID, centred_disc, disc_moments, tables
 from .silhouettes import draw_segments, draw_triangles, filled_box
 
 VIEWS = 10
-OWN_SCALE = 0.25  # unions below this share of the shape's radius are drawn at their own scale
 
 
 @cache
@@ -64,6 +63,7 @@ def light_field_descriptors(
     light_fields: int,
     resolution: int,
     seed: int,
+    own_scale: float = 0.25,
     progress: Progress = silent,
 ) -> np.ndarray:
     """Descriptors of unions of segments.
@@ -76,6 +76,8 @@ def light_field_descriptors(
         (k, s) bool: the segments that each union holds, at least one.
     light_fields, resolution, seed
         Number of rotated light fields (1..10), side of a silhouette in pixels (a multiple of 8), seed of the rotations.
+    own_scale
+        Unions below this share of the shape's radius, and single segments, are drawn at their own scale.
 
     Returns
     -------
@@ -87,7 +89,7 @@ def light_field_descriptors(
     low, high = _segment_boxes(mesh, labels, members.shape[1])
     centre, radius = _frames_of_unions(mesh, labels, members, low, high)
     whole_centre, whole_radius = _whole_frame(mesh)
-    own = (radius < OWN_SCALE * whole_radius) | (members.sum(axis=1) == 1)
+    own = (radius < own_scale * whole_radius) | (members.sum(axis=1) == 1)
     segment, start = _rows(members)
     out = np.zeros((len(frames), len(members), COEFFICIENTS), dtype=np.float32)
     for first in range(0, len(frames), VIEWS):

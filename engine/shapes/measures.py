@@ -11,7 +11,6 @@ from .mesh import face_areas
 from .segmentation import SegmentedShape, SegmentGraph
 from .segmentgraph import sample_surface
 
-_POINTS = 700
 _NEIGHBOURS = 8
 
 
@@ -32,12 +31,12 @@ class Measures:
     overlap: np.ndarray
 
 
-def measure(shape: SegmentedShape, graph: SegmentGraph, members: np.ndarray, seed: int) -> Measures:
-    """The measures of the unions `members` (k, s) of a shape's segments."""
+def measure(shape: SegmentedShape, graph: SegmentGraph, members: np.ndarray, *, points: int, seed: int) -> Measures:
+    """The measures of the unions `members` (k, s) of a shape's segments; see `segment_geodesics` for `points`."""
     m = members.astype(np.float64)
     area = np.maximum(graph.area / max(graph.area.sum(), 1e-300), 1e-9)
     size = m @ area
-    between = segment_geodesics(shape, seed)
+    between = segment_geodesics(shape, points=points, seed=seed)
     weight = m * area / size[:, None]
     geodesic = weight @ between @ weight.T
     overlap = np.minimum(m * area @ m.T / size[:, None], 1.0)
@@ -67,17 +66,17 @@ def _extents(shape: SegmentedShape, m: np.ndarray) -> np.ndarray:
     return np.maximum(rms(m) / max(whole, 1e-300), 1e-6)
 
 
-def segment_geodesics(shape: SegmentedShape, seed: int) -> np.ndarray:
+def segment_geodesics(shape: SegmentedShape, *, points: int, seed: int) -> np.ndarray:
     """Mean geodesic distance between the surfaces of two segments, (s, s) float64, symmetric, mean of all points 1.
 
-    Shortest paths on a neighbour graph of about 700 surface points (at least 3 a segment); pieces of the graph are
+    Shortest paths on a neighbour graph of about `points` surface points (at least 3 a segment); pieces of the graph are
     joined by their closest points, so parts that only touch are near each other.
     """
     count = shape.segmentation.count
-    points, owner = sample_surface(shape, max(_POINTS, 3 * count), seed, least=3)
-    between = dijkstra(_neighbour_graph(points), directed=False)
-    of = np.zeros((count, len(points)))
-    of[owner, np.arange(len(points))] = 1.0
+    places, owner = sample_surface(shape, max(points, 3 * count), seed, least=3)
+    between = dijkstra(_neighbour_graph(places), directed=False)
+    of = np.zeros((count, len(places)))
+    of[owner, np.arange(len(places))] = 1.0
     of /= of.sum(axis=1, keepdims=True)
     mean = of @ between @ of.T
     share = np.bincount(shape.segmentation.labels, face_areas(shape.mesh), minlength=count)

@@ -3,12 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from ..arrays import frozen_array
 from ..errors import BadInput
 
 LARGEST_COORDINATE = 1e12
 MOST_FACES = 20_000_000
+SMALLEST_AREA = 1e-12  # of the squared diagonal
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,6 +45,8 @@ class Mesh:
             raise BadInput(f"All vertices of {self.name} lie in one point; there is no surface to match.")
         object.__setattr__(self, "vertices", vertices)
         object.__setattr__(self, "faces", faces)
+        if not float(face_areas(self).sum()) > SMALLEST_AREA * diagonal(self) ** 2 > 0:
+            raise BadInput(f"The faces of {self.name} have no area (its vertices lie on a line, or it is far too small).")
 
 
 def face_areas(mesh: Mesh) -> np.ndarray:
@@ -53,3 +58,17 @@ def face_areas(mesh: Mesh) -> np.ndarray:
 def diagonal(mesh: Mesh) -> float:
     """Length of the bounding box's diagonal over the vertices that are used."""
     return float(np.linalg.norm(np.ptp(mesh.vertices[mesh.faces.ravel()], axis=0)))
+
+
+def merged_vertices(mesh: Mesh) -> np.ndarray:
+    """For each vertex, (n,) int64, the number of its position: equal positions have equal numbers."""
+    return np.unique(mesh.vertices + 0.0, axis=0, return_inverse=True)[1].ravel()
+
+
+def components(mesh: Mesh, *, merge: bool = False) -> np.ndarray:
+    """Connected component of each face, (m,) int64; `merge` joins vertices at equal positions first."""
+    faces = merged_vertices(mesh)[mesh.faces] if merge else mesh.faces
+    count = len(mesh.vertices)
+    rows, columns = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
+    graph = coo_array((np.ones(len(rows), dtype=bool), (rows, columns)), shape=(count, count))
+    return connected_components(graph, directed=False)[1][faces[:, 0]].astype(np.int64)

@@ -8,12 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from ..errors import BadInput
 from .glbfile import Part, read_glb
-from .mesh import Mesh
+from .mesh import Mesh, components
 from .plyfile import read_ply
 from .polygonfile import Polygons, read_obj, read_off, read_stl, shown, whole
 from .segmentation import Segmentation, SegmentedShape, segmentation_from_labels
@@ -145,17 +143,3 @@ def _from_labels(file: Path, labels: Path | str, face: np.ndarray, count: int) -
     faces = f"{count:,} polygons, which are {len(face):,} triangles" if cut else f"{count:,} faces"
     advice = "give one label a polygon, or one a triangle" if cut else "give one label a face"
     raise BadInput(f"The labels file {labels} has {len(values):,} labels but {file} has {faces}; {advice}, in the file's order.")
-
-
-def merged_vertices(mesh: Mesh) -> np.ndarray:
-    """For each vertex, (n,) int64, the number of its position: equal positions have equal numbers."""
-    return np.unique(mesh.vertices + 0.0, axis=0, return_inverse=True)[1].ravel()
-
-
-def components(mesh: Mesh, *, merge: bool = False) -> np.ndarray:
-    """Connected component of each face, (m,) int64; `merge` joins vertices at equal positions first."""
-    faces = merged_vertices(mesh)[mesh.faces] if merge else mesh.faces
-    count = len(mesh.vertices)
-    rows, columns = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
-    graph = coo_array((np.ones(len(rows), dtype=bool), (rows, columns)), shape=(count, count))
-    return connected_components(graph, directed=False)[1][faces[:, 0]].astype(np.int64)

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import frozen_array
+from ..progress import Progress, silent
 from .enumeration import Pairs, beam_sets, bits, connected_sets, layered_unions, members_of
 from .parameters import MatchParameters
 from .segmentation import SegmentGraph
 
 ADJACENT, PART_OF = 0, 1
+CONNECTED_LARGEST = 6  # most segments of a connected union where max_segments is 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,7 +39,9 @@ class MultiLayerGraph:
             object.__setattr__(self, name, value)
 
 
-def build_multilayer_graph(graph: SegmentGraph, parameters: MatchParameters, weights: np.ndarray) -> MultiLayerGraph:
+def build_multilayer_graph(
+    graph: SegmentGraph, parameters: MatchParameters, weights: np.ndarray, *, progress: Progress = silent
+) -> MultiLayerGraph:
     """Nodes (Eq 3.1) and edges (Eq 3.2) of the multi-layer graph.
 
     A merged node of relative size v lies in layer clamp(floor(L·v) + 1, 2, L). The bottom segments and the top (the
@@ -52,29 +56,42 @@ def build_multilayer_graph(graph: SegmentGraph, parameters: MatchParameters, wei
     neighbours = [sum(1 << int(j) for j in np.flatnonzero(row)) for row in graph.adjacency()]
     size = graph.area if parameters.size_measure == "area" else graph.volume
     size = size / size.sum() if size.sum() > 0 else np.full(count, 1 / count)
-    mode = chosen_mode(parameters.mode, count)
+    mode = chosen_mode(parameters, count)
+    largest = parameters.max_segments or (CONNECTED_LARGEST if mode == "connected" else count)
     most = max(0, parameters.node_cap - count - 1)
     pairs: Pairs | None = None
     if mode == "connected":
-        merged, capped = connected_sets(neighbours, weights, largest=parameters.max_segments, most=most)
+        merged, capped = connected_sets(neighbours, weights, largest=largest, most=most)
     elif mode == "beam":
-        merged, capped = beam_sets(neighbours, weights, most=most)
+        merged, capped = beam_sets(
+            neighbours, weights, largest=largest, most=most, tell=lambda share: progress(share, "unions of segments"))  # fmt: skip
     else:
         merged, pairs, capped = layered_unions(
             neighbours, lambda union: int(_layers(size[bits(union)].sum(), layers)),
-            layers=layers, most=most, relaxed=mode == "relaxed")  # fmt: skip
+            layers=layers, largest=largest, most=most, relaxed=mode == "relaxed")  # fmt: skip
     top = (1 << count) - 1
     unions = [1 << i for i in range(count)] + [union for union in merged if union != top] + ([top] if count > 1 else [])
     members = members_of(unions, count)
     layer = np.where(members.sum(axis=1) == 1, 1, _layers(members @ size, layers))
     edges, kind = _edges(unions, members, layer, graph.adjacency(), pairs)
-    note = f"The node cap of {parameters.node_cap} cut the {mode} unions of {count} segments." if capped else ""
-    return MultiLayerGraph(members, layer, edges, kind, layers, note)
+    return MultiLayerGraph(members, layer, edges, kind, layers, _caps_met(parameters, mode, count, largest, capped))
 
 
-def chosen_mode(mode: str, count: int) -> str:
-    """The mode that "auto" stands for: connected sets up to 20 segments, the beam above."""
-    return ("connected" if count <= 20 else "beam") if mode == "auto" else mode
+def chosen_mode(parameters: MatchParameters, count: int) -> str:
+    """The mode that "auto" stands for: connected sets up to `auto_segments` segments, the beam above."""
+    if parameters.mode != "auto":
+        return parameters.mode
+    return "connected" if count <= parameters.auto_segments else "beam"
+
+
+def _caps_met(parameters: MatchParameters, mode: str, count: int, largest: int, capped: bool) -> str:
+    """One sentence on the limits that cut the nodes, or nothing."""
+    if count + 1 > parameters.node_cap:
+        return f"The {count} segments alone exceed the node cap of {parameters.node_cap}, so nothing is merged."
+    parts = [f"the node cap of {parameters.node_cap} cut the {mode} unions of {count} segments"] if capped else []
+    parts += [f"unions hold at most {largest} of {count} segments (max_segments)"] if largest < count - 1 else []
+    text = "; ".join(parts)
+    return text[:1].upper() + text[1:] + "." if text else ""
 
 
 def _layers(relative: np.ndarray | float, layers: int) -> np.ndarray:

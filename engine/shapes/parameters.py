@@ -25,6 +25,15 @@ class MatchParameters(Parameters):
     touch_distance: float = parameter(
         0.012, "Largest surface distance of touching segments where no vertices are shared.",
         low=0.0, high=0.1, step=0.001, unit="diagonal", group=_GRAPH)  # fmt: skip
+    touch_samples: int = parameter(
+        20_000, "Surface points that surface distances are measured between.", low=1000, high=200_000, step=1000,
+        unit="points", group=_GRAPH)  # fmt: skip
+    geodesic_points: int = parameter(
+        700, "Surface points of the neighbour graph for geodesic distances.", low=100, high=5000, step=100,
+        unit="points", group=_GRAPH)  # fmt: skip
+    most_segments: int = parameter(
+        1000, "Shapes with more segments are refused: their labels are most likely not segments.", low=2, high=5000,
+        step=10, group=_GRAPH)  # fmt: skip
     size_measure: Literal["area", "volume"] = parameter(
         "area", "The measure of size in the layer rule: surface area, or volume of the capped segments.",
         symbol="VOL", equation="3.1", group=_GRAPH)  # fmt: skip
@@ -35,30 +44,43 @@ class MatchParameters(Parameters):
         "best by normalised cut; auto takes connected sets up to 20 segments and the beam above.",
         equation="3.1", group=_MLG)  # fmt: skip
     layers: int = parameter(8, "Number of layers.", low=2, high=16, symbol="L", equation="3.1", group=_MLG)
-    max_segments: int = parameter(6, "Most segments in a merged node (not the top).", low=1, high=64, group=_MLG)
-    node_cap: int = parameter(400, "Most nodes in the graph.", low=10, high=5000, step=10, group=_MLG)
+    auto_segments: int = parameter(
+        20, "Most segments for which the mode auto takes all connected sets.", low=2, high=100, group=_MLG)  # fmt: skip
+    max_segments: int = parameter(
+        0, "Most segments in a merged node (not the top); 0 stands for 6 in the mode connected and for any number in "
+        "the others.", low=0, high=64, group=_MLG)  # fmt: skip
+    node_cap: int = parameter(
+        400, "Most nodes in the graph; sliders stay immediate up to about 1000.", low=10, high=5000, step=10,
+        group=_MLG)  # fmt: skip
 
     # Descriptor
     light_fields: int = parameter(4, "Number of light fields (rotations of the ten cameras).", low=1, high=10, group=_LFD)
-    resolution: int = parameter(256, "Side of a silhouette.", low=64, high=1024, step=64, unit="px", group=_LFD)
+    resolution: int = parameter(
+        256, "Side of a silhouette.", low=64, high=1024, multiple=64, unit="px", group=_LFD)  # fmt: skip
+    own_scale: float = parameter(
+        0.25, "Unions smaller than this share of the shape's radius are drawn at their own scale.", low=0.0, high=1.0,
+        step=0.05, unit="radius", group=_LFD)  # fmt: skip
     seed: int = parameter(0, "Seed of the light field rotations and surface samples.", low=0, high=2**31 - 1, group=_LFD)
 
     # Candidates
+    pool: int = parameter(
+        40, "Nearest nodes that exact distances are computed for, by each of five quick distances; the K best are "
+        "chosen from them.", low=30, high=300, step=10, group=_PROPOSE)  # fmt: skip
     K: int = parameter(7, "Best matches kept for each node.", low=1, high=30, symbol="K", live=True, group=_PROPOSE)
     lfd_threshold: float = parameter(
         0.8, "Least light field similarity of a candidate.", low=0.0, high=1.0, step=0.01, live=True,
         methods=_T, group=_PROPOSE)  # fmt: skip
     sigma: float = parameter(
         8.0, "Scale of the similarity exp(-d/σ) of light field distances.", low=0.1, high=50.0, step=0.1,
-        symbol="σ", equation="3.3", live=True, methods=_T, group=_PROPOSE)  # fmt: skip
+        symbol="σ", equation="3.3", live=True, group=_PROPOSE)  # fmt: skip
     size_weight: float = parameter(
-        0.0, "Weight of |Δ log relative size| beside the light field distance.", low=0.0, high=20.0, step=0.1,
+        0.0, "Weight of |Δ log relative size| beside the light field distance.", low=0.0, high=5.0, step=0.1,
         live=True, methods=_T, group=_PROPOSE)  # fmt: skip
     extent_weight: float = parameter(
-        0.5, "Weight of |Δ log relative extent| beside the light field distance.", low=0.0, high=20.0, step=0.1,
+        0.5, "Weight of |Δ log relative extent| beside the light field distance.", low=0.0, high=5.0, step=0.1,
         live=True, methods=_D, group=_PROPOSE)  # fmt: skip
     centrality_weight: float = parameter(
-        2.0, "Weight of |Δ log mean geodesic distance| beside the light field distance.", low=0.0, high=20.0,
+        2.0, "Weight of |Δ log mean geodesic distance| beside the light field distance.", low=0.0, high=10.0,
         step=0.1, live=True, methods=_D, group=_PROPOSE)  # fmt: skip
     g_scale: float = parameter(
         0.5, "Scale of the weight exp(-distance/scale) of a candidate.", low=0.05, high=5.0, step=0.05, live=True,

@@ -190,10 +190,10 @@ def _with_parts(polygons: Polygons, marks: tuple[list[bytes], list[bytes]]) -> P
 
 def _parted(polygons: Polygons, names: list[bytes], origin: str) -> Polygons:
     """Polygons with the part of each face, from its name; a face without a name is in the part `default`."""
-    words = sorted(set(names))
-    number = {name: n for n, name in enumerate(words)}
+    text_of = {name: name.decode("utf-8", errors="replace") or "default" for name in set(names)}
+    texts = tuple(sorted(set(text_of.values())))
+    number = {name: texts.index(text) for name, text in text_of.items()}
     part = np.fromiter((number[name] for name in names), dtype=np.int64)
-    texts = tuple(name.decode("utf-8", errors="replace") or "default" for name in words)
     return Polygons(polygons.vertices, polygons.sizes, polygons.corners, part, texts, origin)
 
 

@@ -11,12 +11,10 @@ from .describing import DescribedShape, Stopwatch
 from .lightfield import light_field_distances, signature_distances
 from .parameters import MatchParameters
 
-POOL = 30  # nearest nodes kept on each side by each of the approximate distances; K may rise to this
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Proposals:
-    """A pair of described shapes and the pairs of nodes that any setting of the live parameters can choose from.
+    """A pair of described shapes and the pairs of nodes that the live parameters choose from.
 
     `pairs` (c, 2) int64 sorted, with exact light field distances `lfd` (c,) float64 and the differences `size`,
     `extent` and `centrality` (c,) = |Δ log| of the measures; `bottom` (c,) bool where both nodes are segments. All
@@ -46,41 +44,43 @@ def propose(
 ) -> Proposals:
     """Exact light field distances of the pairs that can matter.
 
-    A pair is kept if it is among the `POOL` nearest of either node by the quantile signature alone, with size, or
-    with extent and centrality; and all pairs of bottom segments are.
+    A pair is kept if it is among the `pool` nearest of either node by the quantile signature alone, with size, with
+    extent and centrality, with much size, or with much centrality; and all pairs of bottom segments are. So the K best
+    under any weights of the live parameters are nearly always among them.
     """
     watch = Stopwatch()
     progress(0.0, "candidate pairs")
     with watch("candidates"):
-        pairs = _pool(source, target)
+        pairs = _pool(source, target, parameters.pool)
     progress(0.2, "light field distances")
     with watch("distances"):
         lfd = _distances(source, target, pairs, progress, cache)
     s, t = source.measures, target.measures
-
-    def apart(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        return np.abs(np.log(x[pairs[:, 0]]) - np.log(y[pairs[:, 1]]))
-
+    i, j = pairs.T
     bottom = (pairs[:, 0] < len(source.graph.area)) & (pairs[:, 1] < len(target.graph.area))
     return Proposals(
-        source, target, pairs, lfd, apart(s.size, t.size), apart(s.extent, t.extent),
-        apart(s.centrality, t.centrality), bottom, pack(s), pack(t), watch.seconds)  # fmt: skip
+        source, target, pairs, lfd, _apart(s.size[i], t.size[j]), _apart(s.extent[i], t.extent[j]),
+        _apart(s.centrality[i], t.centrality[j]), bottom, pack(s), pack(t), watch.seconds)  # fmt: skip
 
 
-def _pool(source: DescribedShape, target: DescribedShape) -> np.ndarray:
-    ends = tuple(len(shape.layers.members) - 1 for shape in (source, target))  # the last node is the whole shape
-    near = signature_distances(source.signatures[: ends[0]], target.signatures[: ends[1]]).astype(np.float64)
+def _apart(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """|Δ log| of two measures."""
+    return np.abs(np.log(x) - np.log(y))
+
+
+def _pool(source: DescribedShape, target: DescribedShape, pool: int) -> np.ndarray:
+    n, m = (len(shape.layers.members) - 1 for shape in (source, target))  # the last node is the whole shape
+    near = signature_distances(source.signatures[:n], target.signatures[:m]).astype(np.float64)
     s, t = source.measures, target.measures
-
-    def apart(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        return np.abs(np.log(x[: ends[0], None]) - np.log(y[None, : ends[1]]))
-
-    kept = np.zeros(ends, dtype=bool)
+    size = _apart(s.size[:n, None], t.size[None, :m])
+    extent = _apart(s.extent[:n, None], t.extent[None, :m])
+    centrality = _apart(s.centrality[:n, None], t.centrality[None, :m])
+    kept = np.zeros((n, m), dtype=bool)
     kept[: len(source.graph.area), : len(target.graph.area)] = True
-    for extra in (0.0, apart(s.size, t.size), 0.5 * apart(s.extent, t.extent) + 2 * apart(s.centrality, t.centrality)):
+    for extra in (0.0, size, 0.5 * extent + 2 * centrality, 5 * size, 2 * extent + 10 * centrality):
         distance = near + extra
         for axis in (0, 1):
-            most = min(POOL, distance.shape[axis])
+            most = min(pool, distance.shape[axis])
             rows = np.argpartition(distance, most - 1, axis=axis)
             np.put_along_axis(kept, rows[:most] if axis == 0 else rows[:, :most], True, axis=axis)
     return np.argwhere(kept)

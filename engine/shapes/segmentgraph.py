@@ -7,15 +7,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from .mesh import diagonal, face_areas
-from .meshfile import merged_vertices
+from .mesh import diagonal, face_areas, merged_vertices
 from .segmentation import JOINED, PROXIMITY, SHARED, SegmentedShape, SegmentGraph
-
-_SAMPLES = 20_000
 
 
 def build_segment_graph(
-    shape: SegmentedShape, *, adjacency: str, touch_distance: float, seed: int
+    shape: SegmentedShape, *, adjacency: str, touch_distance: float, touch_samples: int, seed: int
 ) -> tuple[SegmentGraph, tuple[str, ...]]:
     """The segment graph of a shape, and sentences on what had to be assumed.
 
@@ -29,11 +26,13 @@ def build_segment_graph(
         "shared" (no proximity), "proximity" (surface distance for all pairs), or "auto" as above.
     touch_distance
         In diagonals of the bounding box, in [0, 0.1].
+    touch_samples
+        Surface points that distances are measured between.
     """
     count = shape.segmentation.count
     edges = _shared(shape) if adjacency != "proximity" else np.zeros((0, 2), dtype=np.int64)
     kind = np.full(len(edges), SHARED)
-    points, owner = sample_surface(shape, _SAMPLES, seed)
+    points, owner = sample_surface(shape, touch_samples, seed)
     group = _groups(edges, count)
     if adjacency != "shared" and group.max() > 0:
         near = _near(points, owner, group[owner], touch_distance * diagonal(shape.mesh))

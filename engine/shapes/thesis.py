@@ -4,7 +4,7 @@ import numpy as np
 
 from ..consistency.candidates import k_best
 from ..consistency.diffusion import greedy, stationary
-from ..consistency.voting import vote
+from ..consistency.voting import nesting, vote
 from .agreement import affinity_degrees, affinity_table, isometry
 from .hops import UNREACHABLE, diameter
 from .parameters import MatchParameters
@@ -49,7 +49,7 @@ class _Stage:
 def match_thesis(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Rows of `proposals.pairs` that are accepted, best first, with score, similarity and votes (each (p,)).
 
-    Score is π relative to the best match of the second stage.
+    Score is π relative to the best candidate of the second stage.
     """
     similarity = np.exp(-(proposals.lfd + p.size_weight * proposals.size) / p.sigma)
     distance = -similarity
@@ -87,18 +87,9 @@ def _vote(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rows of the stage that voting keeps, in order, and their votes; all of them where voting is switched off."""
     pairs = stage.pairs[accepted]
-    inside = nested(proposals, pairs)
-    kept, votes = vote(*inside, stage.confidence[accepted])
+    source, target = proposals.source.layers.members[pairs[:, 0]], proposals.target.layers.members[pairs[:, 1]]
+    kept, votes = vote(nesting(source), nesting(target), stage.confidence[accepted])
     if not p.voting:
         kept = np.arange(len(accepted))
     return accepted[kept], votes[kept]
 
-
-def nested(proposals: Proposals, pairs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Whether the source (target) node of match a is a proper part of that of match b, two (p, p) bool."""
-    both = []
-    for shape, rows in ((proposals.source, pairs[:, 0]), (proposals.target, pairs[:, 1])):
-        m = shape.layers.members[rows].astype(np.float32)
-        size = m.sum(axis=1)
-        both.append(((m @ m.T) >= size[:, None]) & (size[:, None] < size[None]))
-    return both[0], both[1]

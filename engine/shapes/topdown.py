@@ -4,11 +4,10 @@ import numpy as np
 
 from ..consistency.candidates import k_best
 from ..consistency.diffusion import greedy
-from ..consistency.voting import containment
+from ..consistency.voting import containment, nesting
 from .agreement import overlap_agreement, overlap_scores
 from .parameters import MatchParameters
 from .proposing import Proposals
-from .thesis import nested
 
 
 def match_top_down(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -36,7 +35,8 @@ def match_top_down(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray
     r, ratio = _agree(proposals, pairs[accepted][:, None], pairs[accepted][None])
     m = r * ratio
     score = (m.sum(axis=1) - m.diagonal()) / max(len(accepted) - 1, 1)
-    votes = containment(*nested(proposals, pairs[accepted]))[0]
+    source, target = proposals.source.layers.members, proposals.target.layers.members
+    votes = containment(nesting(source[pairs[accepted, 0]]), nesting(target[pairs[accepted, 1]]))[0]
     order = np.argsort(-score, kind="stable")
     return accepted[order], np.clip(score[order], 0, 1), np.exp(-proposals.lfd[accepted[order]] / p.sigma), votes[order]
 
@@ -44,7 +44,10 @@ def match_top_down(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray
 def _bottom_last(
     proposals: Proposals, accepted: np.ndarray, distance: np.ndarray, g: np.ndarray, p: MatchParameters
 ) -> np.ndarray:
-    """Bottom pairs that fit what is accepted, for the segments that no accepted bottom pair holds yet."""
+    """Bottom pairs that fit what is accepted, between segments that are no end of an accepted match yet.
+
+    The `bottom_K` nearest free targets of each free source segment are looked at.
+    """
     pairs = proposals.pairs
     taken = pairs[accepted]
     rows = np.flatnonzero(proposals.bottom & ~np.isin(pairs[:, 0], taken[:, 0]) & ~np.isin(pairs[:, 1], taken[:, 1]))

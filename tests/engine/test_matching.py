@@ -105,7 +105,7 @@ def test_every_result_obeys_its_own_rules(lamp, coarse_lamp):
         assert (result.score >= 0).all()
         assert (result.score <= 1).all()
         assert (np.diff(result.score) <= 1e-12).all()
-        assert not (result.source_members.all(axis=1) | result.target_members.all(axis=1)).all()
+        assert not (result.source_members.all(axis=1) | result.target_members.all(axis=1)).any()
 
 
 def test_live_parameters_change_the_matches_without_describing_again(lamp, coarse_lamp):

@@ -7,7 +7,8 @@ import pytest
 import trimesh
 
 from engine.errors import BadInput
-from engine.shapes.meshfile import components, load_shape, read_labels
+from engine.shapes.mesh import components
+from engine.shapes.meshfile import load_shape, read_labels
 
 OFF = "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2\n3 1 3 2\n"
 

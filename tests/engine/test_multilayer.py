@@ -44,6 +44,34 @@ def test_connected_sets_of_a_chain_are_its_intervals():
 def test_most_segments_in_a_node():
     found = build(chain([1] * 6), mode="connected", max_segments=2)
     assert nodes(found) == ["0", "1", "2", "3", "4", "5", "01", "12", "23", "34", "45", "012345"]
+    assert found.capped == "Unions hold at most 2 of 6 segments (max_segments)."
+
+
+@pytest.mark.parametrize("mode", ["literal", "relaxed", "connected", "beam"])
+def test_most_segments_holds_in_every_mode(mode):
+    found = build(random_graph(12, 2), mode=mode, max_segments=3)
+    assert found.members[:-1].sum(axis=1).max() == 3
+    assert "max_segments" in found.capped
+
+
+@pytest.mark.parametrize("mode", ["literal", "relaxed", "connected", "beam"])
+@pytest.mark.parametrize("cap", [42, 45, 60])
+def test_the_cap_is_never_exceeded_and_few_nodes_are_wasted(mode, cap):
+    found = build(random_graph(40, 5), mode=mode, node_cap=cap)
+    assert len(found.members) <= cap
+
+
+def test_segments_beyond_the_cap_stay_and_it_is_said():
+    found = build(random_graph(40, 5), node_cap=30)
+    assert len(found.members) == 41
+    assert "alone exceed the node cap of 30" in found.capped
+
+
+def test_volume_can_be_the_measure_of_size():
+    graph = SegmentGraph(np.array([1.0, 1, 1, 1]), np.array([5.0, 1, 1, 1]), np.array([(0, 1), (1, 2), (2, 3)]), np.zeros(3))
+    by_area, by_volume = (build(graph, mode="connected", size_measure=m) for m in ("area", "volume"))
+    row = nodes(by_area).index("01")
+    assert (by_area.layer[row], by_volume.layer[row]) == (5, 7)  # 2/4 and 6/8 of the whole
 
 
 def test_edges_of_eq_3_2():

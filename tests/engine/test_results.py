@@ -6,11 +6,11 @@ import stat
 import numpy as np
 import pytest
 
-from engine.__main__ import main, parameter_text
+from engine.__main__ import main, parameter_text, preset_name
 from engine.errors import BadInput
 from engine.matchfile import result_to_json, safe_cell, write_matches
 from engine.parameters import declared
-from engine.report import write_report
+from engine.report import report_page
 from engine.shapes.matching import match_shapes
 from engine.shapes.parameters import MatchParameters, preset
 from engine.store import output_folder, write_atomically
@@ -68,12 +68,12 @@ def test_written_files_agree(result, tmp_path):
 
 
 def test_cells_that_a_spreadsheet_would_run_are_escaped():
-    assert [safe_cell(t) for t in ("=1+1", "@x", "-3", "+2.5", "-a", "5 6")] == ["'=1+1", "'@x", "-3", "+2.5", "'-a", "5 6"]
+    texts = ("=1+1", "@x", "-3", "+2.5", "-a", "5;6", "-3;-2", "-3;=2")
+    assert [safe_cell(t) for t in texts] == ["'=1+1", "'@x", "-3", "+2.5", "'-a", "5;6", "-3;-2", "'-3;=2"]
 
 
-def test_the_report_is_self_contained_and_stars_what_was_changed(result, tmp_path):
-    write_report(result, tmp_path / "report.html", [("a <title>", b"\x89PNG")], [("More", "<p>more</p>")])
-    page = (tmp_path / "report.html").read_text()
+def test_the_report_is_self_contained_and_stars_what_was_changed(result):
+    page = report_page(result, [("a <title>", b"\x89PNG")], [("More", "<p>more</p>")])
     assert "K*" in page
     assert "a &lt;title&gt;" in page
     assert "data:image/png;base64," in page
@@ -91,6 +91,21 @@ def test_atomic_writes_leave_the_old_file_where_the_new_one_fails(tmp_path, monk
     assert file.read_text() == "old"
     assert [p.name for p in tmp_path.iterdir()] == ["a.txt"]
     assert stat.S_IMODE(file.stat().st_mode) & 0o600 == 0o600
+
+
+def test_results_are_written_all_or_none(result, tmp_path):
+    (tmp_path / "parameters.json").mkdir()
+    with pytest.raises(BadInput, match="parameters"):
+        write_matches(result, tmp_path, report="page")
+    assert [p.name for p in tmp_path.iterdir()] == ["parameters.json"]
+
+
+def test_a_parameters_file_decides_the_name_of_the_preset():
+    rigid = preset("thesis-rigid")
+    assert preset_name(preset("top-down"), "top-down") == "top-down"
+    assert preset_name(rigid, "top-down") == "thesis-rigid"
+    assert preset_name(rigid.changed(K=3), "top-down") == ""
+    assert preset_name(rigid.changed(K=3), "thesis-rigid") == "thesis-rigid"
 
 
 def test_an_output_folder_that_is_a_file_is_refused(tmp_path):
@@ -120,6 +135,11 @@ BAD = {
     "unknown preset": (["match", "{a}", "{a}", "--preset", "fast", "--out", "{out}"], "'fast'"),
     "unknown parameter": (["match", "{a}", "{a}", "--set", "gamma=1", "--out", "{out}"], "'gamma'"),
     "out of range": (["match", "{a}", "{a}", "--set", "delta_1=3", "--out", "{out}"], "from 0 to 1"),
+    "not a name": (["match", "{a}", "{a}", "--set", "self=1", "--out", "{out}"], "'self'"),
+    "not a multiple": (["match", "{a}", "{a}", "--set", "resolution=100", "--out", "{out}"], "multiple of 64"),
+    "too many segments": (["match", "{a}", "{a}", "--set", "most_segments=3", "--out", "{out}"], "most_segments"),
+    "flat": (["match", "{a}", "{flat}", "--out", "{out}"], "no area"),
+    "deep parameter file": (["match", "{a}", "{a}", "--parameters", "{deep}", "--out", "{out}"], "not JSON"),
     "no value": (["match", "{a}", "{a}", "--set", "K", "--out", "{out}"], "NAME=VALUE"),
     "bad parameter file": (["match", "{a}", "{a}", "--parameters", "{a}", "--out", "{out}"], "not JSON"),
     "one segment": (["match", "{a}", "{one}", "--out", "{out}"], "one single segment"),
@@ -135,8 +155,11 @@ def test_bad_input_gets_one_sentence_and_exit_code_2(lamp, tmp_path, capsys, cas
     a = save(lamp, tmp_path, "a")
     one = save(type(lamp)(lamp.mesh, lamp.segmentation), tmp_path, "one", labels=False)
     (tmp_path / "one.seg").write_text("0\n" * 60)
+    (tmp_path / "flat.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n")
+    (tmp_path / "deep.json").write_text("[" * 100_000)
     arguments, words = BAD[case]
-    places = {"a": a, "one": one, "out": str(tmp_path / "out")}
+    places = {"a": a, "one": one, "out": str(tmp_path / "out"), "flat": str(tmp_path / "flat.off"),
+              "deep": str(tmp_path / "deep.json")}  # fmt: skip
     assert main([word.format(**places) for word in arguments]) == 2
     error = capsys.readouterr().err
     assert error.startswith("concord: ")

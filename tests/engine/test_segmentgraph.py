@@ -9,7 +9,7 @@ from engine.shapes.segmentgraph import build_segment_graph, capped_volumes, samp
 
 
 def graph(shape, adjacency="auto", touch=0.012):
-    return build_segment_graph(shape, adjacency=adjacency, touch_distance=touch, seed=0)
+    return build_segment_graph(shape, adjacency=adjacency, touch_distance=touch, touch_samples=20_000, seed=0)
 
 
 def edges(found):

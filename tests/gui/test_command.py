@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from annotation.study import answers, majority, open_study, record_vote
 from assets import example_pairs
 from gui import display
 from gui.__main__ import main
@@ -71,8 +72,13 @@ def test_commands_without_a_window_import_neither_qt_nor_vtk():
 def test_the_demo_goes_from_meshes_to_a_precision_table(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("annotation.demo.example_pairs", lambda: example_pairs()[:2])
     monkeypatch.setattr("gui.__main__.report_pictures", lambda *pair: [])
-    for _ in range(2):  # a second run replaces the first
-        assert main(["demo", "--out", str(tmp_path / "out")]) == 0
+    assert main(["demo", "--out", str(tmp_path / "out")]) == 0
+    with open_study(tmp_path / "out" / "demo.study") as study:
+        item = next(iter(majority(study)))
+        record_vote(study, item, "ann", "unsure")
+    assert main(["demo", "--out", str(tmp_path / "out")]) == 0
+    with open_study(tmp_path / "out" / "demo.study") as study:
+        assert answers(study, "ann") == {item: "unsure"}  # a second run keeps what people said
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"matches.json", "matches.csv", "parameters.json", "report.html", "table.csv", "demo.study"} <= written
     assert "top-down" in capsys.readouterr().out

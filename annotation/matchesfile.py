@@ -2,14 +2,18 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from engine.errors import BadInput
 
-from .proposals import distinct, shape_item
+from .database import StudyFile
+from .proposals import add_run, distinct, shape_item
 from .records import Proposal, Run
+
+if TYPE_CHECKING:
+    from engine.shapes.result import MatchResult
 
 Label = Annotated[int, Field(strict=True)] | Annotated[str, Field(strict=True)]
 Count = Annotated[int, Field(ge=0)]
@@ -58,6 +62,13 @@ def read_matches(path: Path | str, set_name: str = "") -> Run:
         first = error.errors(include_url=False, include_context=False)[0]
         where = ".".join(str(part) for part in first["loc"]) or "the file"
         raise BadInput(f"{path} is no file of matches ({where}: {first['msg']}); write it anew.") from None
+
+
+def add_result(handle: StudyFile, result: "MatchResult", *, set_name: str = "") -> str:
+    """Register a result of shape matching (see `add_run`); `set_name` names its row group in the precision table."""
+    from engine.matchfile import result_to_json
+
+    return add_run(handle, run_of_json(result_to_json(result), set_name))
 
 
 def run_of_json(content: Mapping[str, Any], set_name: str = "") -> Run:

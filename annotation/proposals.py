@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sqlalchemy import Connection, insert, select, update
 
@@ -13,9 +13,6 @@ from . import schema
 from .database import StudyFile
 from .records import Item, Proposal, Run
 from .stamps import app_version, now
-
-if TYPE_CHECKING:
-    from engine.shapes.result import MatchResult
 
 
 def add_items(handle: StudyFile, items: Iterable[Item]) -> int:
@@ -44,15 +41,6 @@ def add_run(handle: StudyFile, run: Run) -> str:
         if rows:
             connection.execute(insert(schema.run_match), rows)
     return found
-
-
-def add_result(handle: StudyFile, result: "MatchResult", *, set_name: str = "") -> str:
-    """Register a result of shape matching (see `add_run`); `set_name` names its row group in the precision table."""
-    from engine.matchfile import result_to_json
-
-    from .matchesfile import run_of_json
-
-    return add_run(handle, run_of_json(result_to_json(result), set_name))
 
 
 def shape_item(match_id: str, source: Mapping[str, Any], target: Mapping[str, Any]) -> Item:

@@ -15,7 +15,8 @@ from engine.errors import BadParameter
 from . import schema
 from .database import BUSY_SECONDS, StudyFile, create_file, open_file
 from .majority import ANSWERS, Answer, Majority, Verdict
-from .proposals import add_items, add_result, add_run, shape_item
+from .matchesfile import add_result
+from .proposals import add_items, add_run, shape_item
 from .records import Item, Proposal, Run, Study, Volunteer, Vote, VotingProgress
 from .stamps import app_version, now
 from .voting import (

@@ -55,12 +55,16 @@ def test_the_hall_knows_neither_wing():
         assert not [name for name in imported(path) if name.startswith(("engine.shapes", "engine.puzzles"))], path
 
 
-def load_time_imports(path: Path, modules) -> set[str]:
-    """Modules of the project that a file imports when it is loaded (not inside functions or for type checkers)."""
+def project_imports(path: Path, modules) -> set[str]:
+    """Modules of the project that a file imports, also inside functions, but not for type checkers alone."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     here = path.relative_to(ROOT).with_suffix("").parts[:-1]
+    checking = {id(inner) for node in ast.walk(tree) if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test)
+                for inner in ast.walk(node)}  # fmt: skip
     found = set()
-    for node in tree.body:
+    for node in ast.walk(tree):
+        if id(node) in checking:
+            continue
         if isinstance(node, ast.ImportFrom):
             base = here[: len(here) - node.level + 1] if node.level else ()
             stem = ".".join([*base, *([node.module] if node.module else [])])
@@ -73,7 +77,7 @@ def load_time_imports(path: Path, modules) -> set[str]:
 
 def test_no_import_circles():
     modules = {".".join(p.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): p for p in sources()}
-    graph = {name: {m for m in load_time_imports(path, modules) if m in modules and m != name} for name, path in modules.items()}
+    graph = {name: {m for m in project_imports(path, modules) if m in modules and m != name} for name, path in modules.items()}
     done, trail = set(), []
 
     def visit(name):

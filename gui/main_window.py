@@ -116,6 +116,7 @@ class MainWindow(QMainWindow):
         self.judging.failed.connect(self.say)
         self.shapes.view.files_dropped.connect(self.files.drop)
         self.matching.opened.connect(remember_pair)
+        self.jobs.idle.connect(lambda: self._show_status(self.session.state))
         self.matching.took.connect(lambda seconds: self.status.seconds.setText(seconds_text(seconds)))
         self.status.follow(self.jobs)
         self.status.stopped.connect(self.stop)
@@ -212,6 +213,13 @@ class MainWindow(QMainWindow):
         """Take back the volunteer's last vote."""
         self.study.undo() if self.page == "study" else self.judging.undo()
 
+    def comment(self) -> None:
+        """Ask for a comment that goes with the next answer on the voting page."""
+        if self.page == "study":
+            self.study.ask_comment()
+        else:
+            self.say("Comments go with the answers of the voting page; open it with Ctrl+2.")
+
     def step_match(self, by: int) -> None:
         """Go to the next or previous match; on the voting page, leave the question for the end."""
         if self.page == "study":
@@ -241,6 +249,11 @@ class MainWindow(QMainWindow):
             self.status.text.setText("Stopped.")
         elif not self.rail.isVisible():
             self.toggle_alone()
+
+    def match_again(self) -> None:
+        """Start the matching that was stopped or failed."""
+        self.messages.dismiss()
+        self.matching.again()
 
     def toggle_panel(self) -> None:
         """Show or hide the right panel of the shapes page."""
@@ -307,7 +320,8 @@ class MainWindow(QMainWindow):
 
     def _show_status(self, state: "State") -> None:
         if state.result is None:
-            self.status.text.setText("" if state.source is None else "Matching …")
+            waiting = "Matching …" if self.jobs.busy() else "Not matched; choose Edit > Match again, or other files."
+            self.status.text.setText("" if state.source is None else waiting)
             return
         from .pages.arrange import listed
 

@@ -120,13 +120,14 @@ class Judging(QObject):
                          lambda _: self.saved.emit(f"{len(result.ids)} matches in the study"))  # fmt: skip
 
     def vote_on(self, item_id: str, answer: str, shown_ms: int, presentation: Mapping[str, Any],
-                done: Callable[[], None]) -> None:  # fmt: skip
+                done: Callable[[], None], comment: str = "") -> None:  # fmt: skip
         """Commit an answer on an item that is already in the study (the voting page), then call `done`."""
         code = self.session.state.volunteer
-        self._commit(
-            lambda handle: study.record_vote(handle, item_id, code, answer, shown_ms=shown_ms, presentation=presentation),
-            lambda _: done(),
-        )
+
+        def work(handle: study.StudyFile) -> None:
+            study.record_vote(handle, item_id, code, answer, comment=comment, shown_ms=shown_ms, presentation=presentation)
+
+        self._commit(work, lambda _: done())
 
     def take_back(self, done: Callable[[str | None], None]) -> None:
         """Retract the last vote (the voting page) and hand its item to `done`."""

@@ -3,7 +3,7 @@
 from typing import Any
 
 from PySide6.QtCore import QAbstractTableModel, QItemSelectionModel, QModelIndex, Qt, Signal
-from PySide6.QtGui import QColor
+from PySide6.QtGui import QColor, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTableView, QWidget
 
 from engine.shapes.result import Match
@@ -120,6 +120,12 @@ class MatchList(QTableView):
     def _current(self, index: QModelIndex, _before: QModelIndex) -> None:
         if index.isValid():
             self.picked.emit(self.rows.rows[index.row()].id)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Keep the selected match in sight when what stands below the list takes more room."""
+        super().resizeEvent(event)
+        if self.currentIndex().isValid():
+            self.scrollTo(self.currentIndex())
 
     def keyboardSearch(self, search: str) -> None:
         """Letters are for judging here, not for jumping to a row."""

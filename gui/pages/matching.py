@@ -99,6 +99,10 @@ class Matching(QObject):
         if result is not None and result.parameters != self.session.state.parameters:
             self.session.update(parameters=result.parameters, preset=result.preset or self.session.state.preset)
 
+    def again(self) -> None:
+        """Match the pair that is shown if that was stopped or failed."""
+        self._changed(self.session.state, self.session.state, frozenset({"parameters"}))
+
     def _changed(self, _old: State, state: State, names: frozenset[str]) -> None:
         if not names & {"source", "target", "parameters", "preset", "proposals", "result"}:
             return

@@ -27,6 +27,7 @@ class WhyPanel(QWidget):
         for name in ("Source", "Target", "Similarity", "Score", "Votes", "Judged"):
             label, value = QLabel(name, self), QLabel("", self, wordWrap=True)
             label.setObjectName("soft")
+            label.setAlignment(Qt.AlignmentFlag.AlignTop)
             value.setTextFormat(Qt.TextFormat.PlainText)
             value.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
             value.setFocusPolicy(Qt.FocusPolicy.NoFocus)

@@ -3,7 +3,7 @@
 import time
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QInputDialog, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from ..palette import rgb, theme
 from ..session import Session, State
@@ -25,7 +25,7 @@ class StudyPage(QWidget):
         self._kept: Shapes = {}
         self._skipped: list[str] = []
         self._guideline = ""
-        self._given = ""
+        self._given = self._comment = ""
         self._since = time.monotonic()
         self.words = QLabel("", self)
         self.words.setObjectName("question")
@@ -66,7 +66,7 @@ class StudyPage(QWidget):
         self.who = QPushButton("", self, flat=True, toolTip="Who is voting; click to change")
         self.who.setObjectName("plain")
         self.who.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.hint = QLabel("Backspace takes back · R resets the view · T turns the shapes · ? help", self)
+        self.hint = QLabel("Backspace takes back · C comments · R resets the view · T turns the shapes · ? help", self)
         for label in (self.counter, self.hint, self.saved):
             label.setObjectName("soft")
         row.addWidget(self.who)
@@ -99,6 +99,8 @@ class StudyPage(QWidget):
             self._show_empty(empty_text(asked))
             return
         before, self.question = self.question, asked.question
+        if before is None or before.item.id != asked.question.item.id:
+            self._comment = ""
         if before is None or not self.view.scenes_shown or before.shapes != self.question.shapes:
             self.view.set_shapes(*self.question.shapes)
         self._since, self._given = time.monotonic(), asked.answer
@@ -126,7 +128,16 @@ class StudyPage(QWidget):
             return
         shown = int((time.monotonic() - self._since) * 1000)
         presentation = {"left": "target" if question.swapped else "source"}
-        self.judging.vote_on(question.item.id, answer, shown, presentation, self._ask)
+        self.judging.vote_on(question.item.id, answer, shown, presentation, self._ask, self._comment)
+
+    def ask_comment(self) -> None:
+        """Ask for a line that is kept with the answer to this question."""
+        if self.question is None:
+            return
+        text, given = QInputDialog.getText(self, "Comment", "A comment to keep with your answer:", text=self._comment)
+        if given:
+            self._comment = text.strip()
+            self.saved.setText("comment goes with your answer" if self._comment else "")
 
     def undo(self) -> None:
         """Take back the last vote and show its match again."""

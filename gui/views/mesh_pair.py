@@ -103,11 +103,11 @@ class MeshPairView(QWidget):
 
         `colour` (3,) uint8 defaults to that of the first source segment.
         """
-        self._change(lambda d: d.set_highlight(tuple(source_segments), tuple(target_segments), colour), redraw=True)
+        self._change(lambda d: d.set_highlight(tuple(source_segments), tuple(target_segments), colour))
 
     def set_layer_colours(self, source: np.ndarray | None, target: np.ndarray | None) -> None:
         """Colour the segments (s, 3) and (t, 3) uint8, for instance by the nodes of a layer; None for their own."""
-        self._change(lambda d: d.set_base_colours(source, target), redraw=True)
+        self._change(lambda d: d.set_base_colours(source, target))
 
     def set_theme(self, theme: Theme) -> None:
         """Change between light and dark."""
@@ -121,11 +121,11 @@ class MeshPairView(QWidget):
         """Whether shapes are shown, rather than a message."""
         return self._shown
 
-    def _change(self, change: Callable[[PairDrawing], None], redraw: bool = False) -> None:
+    def _change(self, change: Callable[[PairDrawing], None]) -> None:
         """Apply a change to what is shown; where shapes are drawn anew, quickly first and smoothly once still."""
         if self._drawing is not None and self._shown:
             change(self._drawing)
-            if redraw:
+            if any(pane.stale for pane in self._drawing.panes):
                 self._move()
             else:
                 self.update()

@@ -14,6 +14,7 @@ from .links import LinkShape, marked
 _DASHES = {"wrong": [5.0, 3.0], "tie": [1.0, 2.2]}
 _SYMBOL = 8.0
 _FADED = 0.16
+_SYMBOL_STRENGTH = 0.8
 
 
 def paint_links(
@@ -24,16 +25,22 @@ def paint_links(
     hovered: str | None = None,
     coloured: bool = False,
 ) -> None:
-    """Draw all links: polygons below lines, the hovered and the selected one on top."""
+    """Draw all links: polygons below lines, the hovered and the selected one on top, and no line across a symbol."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     rank = {hovered: 2, selected: 3}
-    for shape in sorted(shapes, key=lambda s: rank.get(s.link.id, 0 if s.link.merged else 1)):
+    ordered = sorted(shapes, key=lambda s: rank.get(s.link.id, 0 if s.link.merged else 1))
+    for shape in ordered:
         chosen = shape.link.id == selected
         painter.setOpacity(_strength(shape, selected, hovered))
         own = coloured and not marked(shape.link)
         colour = _own(shape) if own else QColor(theme.state(shape.link.state))
         width = line_width(shape, chosen or shape.link.id == hovered, own)
         paint_link(painter, shape, theme, colour, width, chosen)
+    for shape in ordered:
+        strength = _strength(shape, selected, hovered)
+        if marked(shape.link) and strength > _FADED:
+            painter.setOpacity(max(strength, _SYMBOL_STRENGTH))
+            _paint_symbol(painter, shape.link.state, shape.symbol, theme, QColor(theme.state(shape.link.state)))
     painter.setOpacity(1.0)
 
 
@@ -48,7 +55,7 @@ def _strength(shape: LinkShape, selected: str | None, hovered: str | None) -> fl
 
 
 def paint_link(painter: QPainter, shape: LinkShape, theme: Theme, colour: QColor, width: float, selected: bool) -> None:
-    """Draw one link: a halo, the line or polygon in its colour and the dash of its state, its anchors and its symbol.
+    """Draw one link without its symbol: a halo, the line or polygon in its colour and dash, its anchors.
 
     A link that fades behind the selected one is only a line or polygon.
     """
@@ -68,12 +75,8 @@ def paint_link(painter: QPainter, shape: LinkShape, theme: Theme, colour: QColor
     if shape.link.state in _DASHES:
         pen.setDashPattern(_DASHES[shape.link.state])
     _stroke(painter, shape, pen)
-    if faded:
-        return
-    if not shape.folded:
+    if not (faded or shape.folded):
         _paint_dots(painter, shape, theme, colour, selected)
-    if marked(shape.link):
-        _paint_symbol(painter, shape.link.state, shape.symbol, theme, colour)
 
 
 def _stroke(painter: QPainter, shape: LinkShape, pen: QPen) -> None:

@@ -48,6 +48,7 @@ class Pane:
         self._size, self._dirty, self._moving = (0, 0), True, False
         self._image: QImage | None = None
         self._depth: np.ndarray | None = None
+        self._colours: np.ndarray | None = None
         self._actor, self._border = vtkActor(), vtkActor()
         self._rgb = vtkUnsignedCharArray()
         self._locator = vtkStaticCellLocator()
@@ -76,7 +77,7 @@ class Pane:
 
     def set_scene(self, scene: Scene) -> None:
         """Show a shape; its colours come with `set_colours`."""
-        self.scene = scene
+        self.scene, self._colours = scene, None
         self.renderer.RemoveAllViewProps()
         surface = _surface(scene.points, scene.faces)
         self._locator.SetDataSet(surface)
@@ -99,10 +100,14 @@ class Pane:
         self._dirty = True
 
     def set_colours(self, colours: np.ndarray) -> None:
-        """Colour the segments, (s, 3) uint8; neighbours of equal colour show no border between them."""
-        if self.scene is None:
+        """Colour the segments, (s, 3) uint8; neighbours of equal colour show no border between them.
+
+        The colours that it has already leave the picture as it is.
+        """
+        if self.scene is None or (self._colours is not None and np.array_equal(self._colours, colours)):
             return
-        np.take(np.asarray(colours, np.uint8), self.scene.labels, axis=0, out=vtk_to_numpy(self._rgb))
+        self._colours = np.array(colours, np.uint8)
+        np.take(self._colours, self.scene.labels, axis=0, out=vtk_to_numpy(self._rgb))
         self._rgb.Modified()
         lines = _lines(self.scene.points, borders(self.scene, colour_groups(colours)))
         self._border.GetMapper().SetInputDataObject(lines)
@@ -116,6 +121,11 @@ class Pane:
         self._dirty = True
 
     # --- the picture
+
+    @property
+    def stale(self) -> bool:
+        """Whether something changed since the last picture."""
+        return self._dirty
 
     def image(self, width: int, height: int, *, scale: float = 1.0, moving: bool = False) -> QImage:
         """The picture in device pixels, drawn now only if something changed since the last call."""

@@ -168,6 +168,27 @@ def test_stopping_goes_back_to_the_parameters_of_the_shown_matches(ready, qtbot)
     assert ready.session.state.parameters == shown.parameters
 
 
+def test_what_was_stopped_can_be_matched_again(window, qtbot, files):
+    window.files.pair(*files)
+    qtbot.waitUntil(lambda: window.session.state.source is not None)
+    assert "Matching" in window.status.text.text()
+    window.stop()
+    settle(window, qtbot)
+    assert window.session.state.result is None
+    window.actions_by_id["match-again"].trigger()
+    settle(window, qtbot)
+    assert window.session.state.result is not None
+
+
+def test_a_chosen_match_stays_in_sight_when_its_reasons_need_room(ready, qtbot):
+    ready.resize(1024, 480)
+    qtbot.wait(20)
+    ready.shapes.list.selectRow(len(rows(ready)) - 1)
+    qtbot.wait(50)
+    row = ready.shapes.list.visualRect(ready.shapes.list.currentIndex())
+    assert ready.shapes.list.viewport().rect().contains(row)
+
+
 def test_layers_and_nodes_can_be_walked(ready):
     ready.shapes.step_layer(1)
     assert ready.shapes.layers.words.text() == "layer 1 of 8 · 5 + 4 nodes"
@@ -382,6 +403,22 @@ def test_the_voting_page_asks_everything_once_and_thanks(ready, qtbot):
     assert asked[-1] not in votes(ready)
 
 
+def test_a_comment_is_kept_with_the_answer_to_its_question_alone(ready, qtbot, monkeypatch):
+    ready.judging.enrol()
+    settle(ready, qtbot)
+    ready.show_page("study")
+    settle(ready, qtbot)
+    monkeypatch.setattr("gui.pages.study.QInputDialog.getText", lambda *_, **__: (" the handle is cut ", True))
+    first = ready.study.question.item.id
+    for key in (Qt.Key.Key_C, Qt.Key.Key_J, Qt.Key.Key_F):
+        press(ready, qtbot, key)
+        settle(ready, qtbot)
+    with sqlite3.connect(f"file:{ready.session.state.study}?mode=ro", uri=True) as connection:
+        kept = dict(connection.execute("SELECT item_id, comment FROM current_vote"))
+    assert kept.pop(first) == "the handle is cut"
+    assert list(kept.values()) == [""]
+
+
 def test_the_voting_page_shows_no_method_score_or_verdict(ready, qtbot):
     ready.judging.enrol()
     settle(ready, qtbot)
@@ -477,6 +514,16 @@ def test_one_segment_alone_is_a_message(ready, qtbot, tmp_path, make_bar, files)
     settle(ready, qtbot)
     assert "one single segment" in ready.messages.text.text()
     assert not ready.jobs.busy()
+
+
+def test_what_failed_is_not_said_to_be_matching(ready, qtbot, tmp_path, make_bar, files):
+    ready.files.pair(write_bar(tmp_path, make_bar(1), "single"), files[1])
+    settle(ready, qtbot)
+    assert "Not matched" in ready.status.text.text()
+    ready.session.undo()
+    settle(ready, qtbot)
+    assert ready.session.state.result is not None
+    assert "Not matched" not in ready.status.text.text()
 
 
 def test_meshes_may_be_dropped_one_after_the_other(window, qtbot, files):

@@ -1,7 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from PySide6.QtGui import QColor, QImage, QPainter
 
+from gui.palette import LIGHT
 from gui.views.links import apart, folded, hit_inside, hit_outline, lay_out
+from gui.views.painting import paint_links
 from gui.views.planar import contains, convex_hull, distance_to_segments, polygon_area
 from gui.views.scene import Link
 
@@ -92,3 +97,16 @@ def test_a_folded_polygon_is_a_line_between_the_middles():
     assert shape.outline.tolist() == [[10, 50], [210, 50]]
     assert hit_outline([shape], np.array([100.0, 52.0])) == "m"
     assert hit_inside([shape], np.array([100.0, 60.0])) is None
+
+
+def test_no_line_crosses_the_symbol_of_a_judged_link(qapp):
+    judged, later = Link("judged", (0,), (0,), "correct"), Link("later", (0,), (0,), "wrong")
+    shapes = placed(judged, later)
+    shapes = [replace(shape, symbol=np.array([60.0 + 80 * k, 10.0])) for k, shape in enumerate(shapes)]
+    image = QImage(220, 100, QImage.Format.Format_RGB32)
+    image.fill(QColor(LIGHT.paper))
+    painter = QPainter(image)
+    paint_links(painter, shapes, LIGHT)
+    painter.end()
+    discs = [[image.pixelColor(x + dx, 10).name().upper() for dx in (-6, 6)] for x in (60, 140)]
+    assert discs == [[LIGHT.state("correct").upper()] * 2, [LIGHT.state("wrong").upper()] * 2]

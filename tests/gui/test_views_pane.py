@@ -45,6 +45,8 @@ def test_it_draws_only_when_something_changed(pane):
     first = pane.image(120, 80)
     assert pane.image(120, 80) is first
     pane.set_colours(segment_colours(3))
+    assert not pane.stale
+    pane.set_colours(segment_colours(3)[::-1])
     second = pane.image(120, 80)
     assert second is not first
     pane.camera = look_from((0, 1, 1), 3.0)

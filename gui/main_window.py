@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import QEvent, Qt, QTimer
 from PySide6.QtGui import QActionGroup, QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -116,7 +116,8 @@ class MainWindow(QMainWindow):
         self.judging.failed.connect(self.say)
         self.shapes.view.files_dropped.connect(self.files.drop)
         self.matching.opened.connect(remember_pair)
-        self.jobs.idle.connect(lambda: self._show_status(self.session.state))
+        self.jobs.started.connect(lambda _: self._show_waiting())
+        self.jobs.idle.connect(self._show_waiting)
         self.matching.took.connect(lambda seconds: self.status.seconds.setText(seconds_text(seconds)))
         self.status.follow(self.jobs)
         self.status.stopped.connect(self.stop)
@@ -331,6 +332,10 @@ class MainWindow(QMainWindow):
         left = sum(match.id not in state.answers for match in listed(state))
         self.status.text.setText(judged_text(len(ids), *counts, left))
 
+    def _show_waiting(self) -> None:
+        if self.session.state.result is None:
+            self._show_status(self.session.state)
+
     def _system_theme(self) -> None:
         if settings().value("dark", "system") == "system":
             self.session.update(dark=system_is_dark(QApplication.instance()))
@@ -359,6 +364,12 @@ class MainWindow(QMainWindow):
         paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
         event.acceptProposedAction()
         QTimer.singleShot(0, lambda: self.files.drop(paths) if paths else None)
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Read the votes again when the window comes to the front: other windows write to the same study."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.ActivationChange and self.isActiveWindow() and self.furnished:
+            self.judging.refresh()
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Cancel, wait, let votes reach the disk, give the graphics back, and only then go."""

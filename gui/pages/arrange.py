@@ -1,6 +1,6 @@
 """What the list of matches says and in which order: texts, states, filters and sorting, without any widget."""
 
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from engine.shapes.result import Match, MatchResult
@@ -106,6 +106,14 @@ def smallest_with(matches: Iterable[Match], side: int, segment: int) -> str:
     return min(holding, key=lambda m: (len(m.source) + len(m.target), -m.score)).id if holding else ""
 
 
+def short_notes(notes: Iterable[str], elided: Callable[[str], str], most: int = 3) -> str:
+    """Notes as a few lines, each cut to the room that there is; how many more there are stands last."""
+    lines = [f"· {note}" for note in dict.fromkeys(notes)]
+    if len(lines) > most:
+        lines = [*lines[: most - 1], f"· and {len(lines) - most + 1} more; point here to read them"]
+    return "\n".join(elided(line) for line in lines)
+
+
 def share_text(value: float) -> str:
     """A share with two digits as it is printed in tables: '.93', '1.00'."""
     return f"{value:.2f}".removeprefix("0") if 0 <= value < 0.995 else f"{value:.2f}"
@@ -118,7 +126,7 @@ def reasons(match: Match, result: MatchResult) -> list[tuple[str, str]]:
     similarity = share_text(match.similarity)
     if thesis:
         similarity += f"  (at least {share_text(p.lfd_threshold)} is asked)"
-    meaning = "of the best match's confidence π" if thesis else "mean agreement with the other matches"
+    meaning = "of the best match's confidence π" if thesis else "mean agreement with the others"
     score = f"{share_text(match.score)}  {meaning}"
     votes = f"{match.votes}  " + ("match contains it on both sides" if match.votes == 1 else "matches contain it on both sides")
     return [

@@ -1,5 +1,8 @@
 """The page of a pair of shapes: the two shapes and their links, the list, the reasons, the answers, the parameters."""
 
+from collections.abc import Iterable, Sequence
+from html import escape
+
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
     QComboBox,
@@ -23,14 +26,19 @@ from ..parameter_form import ParameterForm
 from ..session import Session, State
 from ..views.mesh_pair import MeshPairView
 from ..views.scene import Link, layer_colours, layer_nodes
-from .arrange import SHOWN, listed, merged, short_union, smallest_with, state_of
+from .arrange import SHOWN, listed, merged, short_notes, short_union, smallest_with, state_of
 from .judging import Judging, checked_code
 from .layers import LayerBar, Place, node_list, step_layer, step_node
 from .match_list import MatchList
 from .matching import Matching
 from .panels import JudgeStrip, WhyPanel
 
-PANEL_WIDTH = 340
+PANEL_WIDTH, PANEL_MARGIN = 340, 8
+
+
+def as_tip(lines: Iterable[str]) -> str:
+    """Plain lines as a tool tip that wraps."""
+    return "".join(f"<p>{escape(line)}</p>" for line in lines)
 
 
 def links_of(state: State) -> list[Link]:
@@ -61,7 +69,7 @@ class ShapesPage(QWidget):
         self.list, self.why, self.judge = MatchList(self), WhyPanel(self), JudgeStrip(self)
         self.form = ParameterForm(MatchParameters, self)
         self.filter, self.presets = self._combo(SHOWN.values()), self._combo(PRESETS)
-        self.count, self.notes = QLabel("", self), QLabel("", self, wordWrap=True)
+        self.count, self.notes = QLabel("", self), QLabel("", self)
         self.panel = self._panel()
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
@@ -111,7 +119,7 @@ class ShapesPage(QWidget):
         head.addWidget(self.count)
         tab = QWidget(self)
         column = QVBoxLayout(tab)
-        column.setContentsMargins(8, 8, 8, 8)
+        column.setContentsMargins(*[PANEL_MARGIN] * 4)
         column.setSpacing(8)
         column.addLayout(head)
         column.addWidget(self.list, 1)
@@ -284,8 +292,12 @@ class ShapesPage(QWidget):
         found, rows = len(state.matches()), len(self.list.rows.rows)
         self.count.setText(f"{rows} of {found}" if rows != found else f"{found} matches" if found != 1 else "1 match")
         self.filter.setCurrentIndex(list(SHOWN).index(state.shown))
-        notes = state.result.notes if state.result is not None else ()
-        self.notes.setText("\n".join(f"· {note}" for note in dict.fromkeys(notes)))
+        self._show_notes(state.result.notes if state.result is not None else ())
+
+    def _show_notes(self, notes: Sequence[str]) -> None:
+        metrics, room = self.notes.fontMetrics(), PANEL_WIDTH - 2 * PANEL_MARGIN
+        self.notes.setText(short_notes(notes, lambda line: metrics.elidedText(line, Qt.TextElideMode.ElideRight, room)))
+        self.notes.setToolTip(as_tip(dict.fromkeys(notes)))
         self.notes.setVisible(bool(notes))
 
     def _show_parameters(self, state: State) -> None:

@@ -102,12 +102,13 @@ class PairDrawing:
     def views_of(
         self, source: Sequence[int], target: Sequence[int], aspect: float, together: bool = False
     ) -> tuple[Camera, Camera]:
-        """The views in which the given segments are best seen; one common direction if `together`."""
+        """The views in which the given segments are best seen; one common direction if `together`, which is chosen
+        for the side that is seen worse first."""
         candidates = candidate_directions()
         wanted = zip(self.panes, (source, target), strict=True)
         scores = [view_scores(pane.scene, segments, candidates) for pane, segments in wanted]
         if together:
-            scores = [scores[0] + scores[1]] * 2
+            scores = [scores[0] + scores[1] + 4 * np.minimum(*scores)] * 2
         return self._cameras([candidates[int(np.argmax(score))] for score in scores], aspect)
 
     def _cameras(self, directions: Sequence[np.ndarray], aspect: float) -> tuple[Camera, Camera]:

@@ -175,7 +175,9 @@ def test_what_was_stopped_can_be_matched_again(window, qtbot, files):
     window.stop()
     settle(window, qtbot)
     assert window.session.state.result is None
+    assert "Match again" in window.status.text.text()
     window.actions_by_id["match-again"].trigger()
+    assert "Matching" in window.status.text.text()
     settle(window, qtbot)
     assert window.session.state.result is not None
 
@@ -281,6 +283,23 @@ def test_volunteers_vote_side_by_side_and_a_tie_stays_a_tie(ready, qtbot):
     ready.session.update(volunteer="ana")
     settle(ready, qtbot)
     assert ready.session.state.answers == {first: "correct"}
+
+
+def test_votes_of_another_window_are_read_when_this_one_comes_to_the_front(ready, qtbot):
+    first = rows(ready)[0]
+    ready.judging.enrol()
+    settle(ready, qtbot)
+    with study.open_study(ready.session.state.study) as handle:
+        study.record_vote(handle, first, "somebody", "wrong")
+    other = QDialog()
+    other.show()
+    other.activateWindow()
+    qtbot.waitUntil(lambda: not ready.isActiveWindow())
+    other.close()
+    ready.activateWindow()
+    qtbot.waitUntil(ready.isActiveWindow)
+    settle(ready, qtbot)
+    assert ready.session.state.verdicts == {first: "wrong"}
 
 
 def test_a_bad_code_is_refused_and_the_old_one_stays(ready):

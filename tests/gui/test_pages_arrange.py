@@ -19,6 +19,7 @@ from gui.pages.arrange import (
     next_unanswered,
     reasons,
     share_text,
+    short_notes,
     short_text,
     shows,
     smallest_with,
@@ -186,3 +187,10 @@ def test_recent_pairs_are_few_and_different():
     known = [(f"{k}", "t") for k in range(20)]
     assert with_recent(known, ("3", "t"))[:2] == [("3", "t"), ("0", "t")]
     assert len(with_recent(known, ("x", "t"))) == MOST_RECENT
+
+
+def test_notes_are_told_once_each_and_few_at_a_time():
+    assert short_notes([], str) == ""
+    assert short_notes(["one", "two", "one"], str) == "· one\n· two"
+    assert short_notes(["a", "b", "c", "d"], str).splitlines() == ["· a", "· b", "· and 2 more; point here to read them"]
+    assert short_notes(["a long one"], lambda line: line[:4] + "…") == "· a …"

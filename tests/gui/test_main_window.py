@@ -173,9 +173,8 @@ def test_what_was_stopped_can_be_matched_again(window, qtbot, files):
     qtbot.waitUntil(lambda: window.session.state.source is not None)
     assert "Matching" in window.status.text.text()
     window.stop()
-    settle(window, qtbot)
+    qtbot.waitUntil(lambda: "Match again" in window.status.text.text(), timeout=20_000)
     assert window.session.state.result is None
-    assert "Match again" in window.status.text.text()
     window.actions_by_id["match-again"].trigger()
     assert "Matching" in window.status.text.text()
     settle(window, qtbot)

@@ -32,7 +32,7 @@ class MatchParameters(Parameters):
         700, "Surface points of the neighbour graph for geodesic distances.", low=100, high=5000, step=100,
         unit="points", group=_GRAPH)  # fmt: skip
     most_segments: int = parameter(
-        1000, "Shapes with more segments are refused: their labels are most likely not segments.", low=2, high=5000,
+        1000, "Shapes with more segments are refused: their labels are most likely not segments.", low=10, high=5000,
         step=10, group=_GRAPH)  # fmt: skip
     size_measure: Literal["area", "volume"] = parameter(
         "area", "The measure of size in the layer rule: surface area, or volume of the capped segments.",

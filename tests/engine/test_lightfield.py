@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 import trimesh
-from conftest import bar, boxes
 from scipy.spatial.transform import Rotation
+from world import bar, boxes
 
 from engine.shapes.lightfield import (
     axis_permutations,

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from conftest import LAMP, boxes
 from scipy.spatial.transform import Rotation
+from world import LAMP, boxes
 
 from engine.errors import BadInput, Cancelled
 from engine.shapes.identity import match_id, mesh_id, node_id, segment_ids

@@ -20,7 +20,7 @@ OUTPUTS = {"matches.json", "matches.csv", "parameters.json", "report.html"}
 
 @pytest.fixture(scope="module")
 def result():
-    from conftest import LAMP, boxes
+    from world import LAMP, boxes
 
     shape = boxes(LAMP, "lamp")
     return match_shapes(shape, shape, preset("top-down").changed(K=5), preset="top-down")
@@ -137,7 +137,7 @@ BAD = {
     "out of range": (["match", "{a}", "{a}", "--set", "delta_1=3", "--out", "{out}"], "from 0 to 1"),
     "not a name": (["match", "{a}", "{a}", "--set", "self=1", "--out", "{out}"], "'self'"),
     "not a multiple": (["match", "{a}", "{a}", "--set", "resolution=100", "--out", "{out}"], "multiple of 64"),
-    "too many segments": (["match", "{a}", "{a}", "--set", "most_segments=3", "--out", "{out}"], "most_segments"),
+    "too many segments": (["match", "{a}", "{soup}", "--set", "most_segments=10", "--out", "{out}"], "most_segments"),
     "flat": (["match", "{a}", "{flat}", "--out", "{out}"], "no area"),
     "deep parameter file": (["match", "{a}", "{a}", "--parameters", "{deep}", "--out", "{out}"], "not JSON"),
     "no value": (["match", "{a}", "{a}", "--set", "K", "--out", "{out}"], "NAME=VALUE"),
@@ -156,10 +156,13 @@ def test_bad_input_gets_one_sentence_and_exit_code_2(lamp, tmp_path, capsys, cas
     one = save(type(lamp)(lamp.mesh, lamp.segmentation), tmp_path, "one", labels=False)
     (tmp_path / "one.seg").write_text("0\n" * 60)
     (tmp_path / "flat.off").write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n")
+    corners = "".join(f"{k} 0 0\n{k}.5 0 0\n{k} 1 0\n" for k in range(12))
+    triangles = "".join(f"3 {3 * k} {3 * k + 1} {3 * k + 2}\n" for k in range(12))
+    (tmp_path / "soup.off").write_text(f"OFF\n36 12 0\n{corners}{triangles}")
     (tmp_path / "deep.json").write_text("[" * 100_000)
     arguments, words = BAD[case]
     places = {"a": a, "one": one, "out": str(tmp_path / "out"), "flat": str(tmp_path / "flat.off"),
-              "deep": str(tmp_path / "deep.json")}  # fmt: skip
+              "soup": str(tmp_path / "soup.off"), "deep": str(tmp_path / "deep.json")}  # fmt: skip
     assert main([word.format(**places) for word in arguments]) == 2
     error = capsys.readouterr().err
     assert error.startswith("concord: ")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import bar, boxes
+from world import bar, boxes
 
 from engine.shapes.segmentation import EDGE_KINDS, segmentation_from_labels
 from engine.shapes.segmentgraph import build_segment_graph, capped_volumes, sample_surface

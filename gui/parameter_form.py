@@ -133,6 +133,7 @@ class _Row(QObject):
         box.setAlignment(Qt.AlignmentFlag.AlignRight)
         box.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         box.valueChanged.connect(self._typed)
+        box.lineEdit().returnPressed.connect(box.clearFocus)  # letters judge again once a number is entered
         if scale_ and scale_.steps <= LONGEST_SLIDER:
             box.setFixedWidth(58)
             self.slider = QSlider(Qt.Orientation.Horizontal, parent)

@@ -318,6 +318,22 @@ def test_letters_typed_into_a_field_are_no_votes(ready, qtbot):
     assert ready.session.state.answers == {}
 
 
+def test_letters_judge_again_once_a_number_is_entered(ready, qtbot):
+    ready.step_match(1)
+    chosen = ready.session.state.selected
+    ready.shapes.panel.setCurrentIndex(1)
+    box = ready.shapes.form.rows["K"].editor
+    box.setFocus()
+    qtbot.keyClick(box, Qt.Key.Key_J)
+    settle(ready, qtbot)
+    assert ready.session.state.answers == {}
+    qtbot.keyClick(box, Qt.Key.Key_Return)
+    assert not box.hasFocus()
+    qtbot.keyClick(ready, Qt.Key.Key_J)
+    settle(ready, qtbot)
+    assert ready.session.state.answers == {chosen: "correct"}
+
+
 def test_votes_outlive_the_window(ready, qtbot, files):
     ready.step_match(1)
     press(ready, qtbot, Qt.Key.Key_J)

@@ -6,6 +6,7 @@ import json
 import random
 import sqlite3
 import sys
+import threading
 import weakref
 
 import numpy as np
@@ -14,6 +15,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QDialog, QLabel, QPushButton
 
 from annotation import study
+from engine.shapes import matching
 from engine.shapes.families.collection import off_text
 from gui import actions
 from gui.main_window import MainWindow
@@ -168,15 +170,24 @@ def test_stopping_goes_back_to_the_parameters_of_the_shown_matches(ready, qtbot)
     assert ready.session.state.parameters == shown.parameters
 
 
-def test_what_was_stopped_can_be_matched_again(window, qtbot, files):
+def test_what_was_stopped_can_be_matched_again(window, qtbot, files, monkeypatch):
+    held, describe = threading.Event(), matching.describe
+
+    def slow(shape, parameters, *, progress, cache):
+        while not held.wait(0.005):
+            progress(0.0, "held")
+        return describe(shape, parameters, progress=progress, cache=cache)
+
+    monkeypatch.setattr(matching, "describe", slow)
     window.files.pair(*files)
     qtbot.waitUntil(lambda: window.session.state.source is not None)
     assert "Matching" in window.status.text.text()
     window.stop()
-    qtbot.waitUntil(lambda: "Match again" in window.status.text.text(), timeout=20_000)
+    qtbot.waitUntil(lambda: "Match again" in window.status.text.text())
     assert window.session.state.result is None
     window.actions_by_id["match-again"].trigger()
     assert "Matching" in window.status.text.text()
+    held.set()
     settle(window, qtbot)
     assert window.session.state.result is not None
 

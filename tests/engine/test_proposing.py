@@ -20,8 +20,9 @@ KEPT = 30  # nearest nodes kept of each node, by each of the quick distances
 
 @pytest.fixture(scope="module")
 def proposals():
-    """Two bars of 9 and 10 pieces: 40 and 46 nodes, more than are kept for each."""
-    bars = bar([1, 2, 1, 3, 1, 1, 2, 4, 1], "nine"), bar([2, 2, 1, 1, 3, 1, 1, 2, 3, 1], "ten")
+    """Two bars of 16 and 18 pieces: 82 and 94 nodes, many more than are kept for each."""
+    bars = (bar([1, 2, 1, 3, 1, 1, 2, 4, 1, 7, 1, 1, 9, 2, 5, 3], "sixteen"),
+            bar([2, 2, 1, 1, 3, 1, 6, 2, 3, 1, 1, 8, 1, 4, 1, 2, 2, 1], "eighteen"))  # fmt: skip
     return propose(*(describe(shape, LIGHT) for shape in bars), LIGHT.changed(pool=KEPT))
 
 
@@ -32,7 +33,7 @@ def differences(proposals, name):
 
 def test_the_nearest_of_every_node_are_kept_by_each_approximate_distance(proposals):
     p = proposals
-    assert (len(p.source.hops), len(p.target.hops)) == (40, 46)
+    assert (len(p.source.hops), len(p.target.hops)) == (82, 94)
     signature = signature_distances(p.source.signatures, p.target.signatures).astype(float)
     size, extent, centrality = (differences(p, name) for name in ("size", "extent", "centrality"))
     kept = set(map(tuple, p.pairs.tolist()))
@@ -47,7 +48,7 @@ def test_the_nearest_of_every_node_are_kept_by_each_approximate_distance(proposa
 def test_a_larger_pool_keeps_more(proposals):
     p = proposals
     more = propose(p.source, p.target, LIGHT.changed(pool=300)).pairs
-    assert len(p.pairs) < len(more) == 39 * 45
+    assert len(p.pairs) < len(more) == 81 * 93
     assert set(map(tuple, p.pairs.tolist())) < set(map(tuple, more.tolist()))
 
 
@@ -59,9 +60,9 @@ def test_k_never_asks_for_more_than_the_pool_holds():
 def test_pairs_are_sorted_hold_all_segments_and_no_whole_shape(proposals):
     pairs = proposals.pairs
     assert np.array_equal(pairs, np.unique(pairs, axis=0))
-    assert pairs.max(axis=0).tolist() <= [38, 44]
-    assert proposals.bottom.sum() == 9 * 10
-    assert np.array_equal(proposals.bottom, (pairs < [9, 10]).all(axis=1))
+    assert pairs.max(axis=0).tolist() <= [80, 92]
+    assert proposals.bottom.sum() == 16 * 18
+    assert np.array_equal(proposals.bottom, (pairs < [16, 18]).all(axis=1))
 
 
 def test_distances_and_differences_of_the_kept_pairs(proposals):

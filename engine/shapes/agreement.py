@@ -96,13 +96,12 @@ def overlap_scores(
     weight = g.astype(np.float32)
     t_in, t_of, t_geo = (np.ascontiguousarray(target[..., k]) for k in range(3))
     total = _overlap_sums(pairs[:, 0], columns, starts, weight, source, t_in, t_of, t_geo, np.float32(agree_from))
-    r, ratio = overlap_agreement(source, target, pairs, pairs)
-    return g * np.maximum(total - np.maximum(r * ratio - agree_from, 0) * g, 0) / (1 - agree_from)
+    return g * total / (1 - agree_from)
 
 
 @njit(cache=True, nogil=True, parallel=True, fastmath=True)
 def _overlap_sums(rows, columns, starts, g, source, t_in, t_of, t_geo, floor):  # type: ignore[no-untyped-def]
-    """Σ_b relu(m_ab - from) g_b over all b, itself too; candidates of one source share what they read of it."""
+    """Σ_b relu(m_ab - from) g_b over all b but a itself; candidates of one source share what they read of it."""
     count = len(columns)
     out = np.zeros(count)
     tiny, one, zero = np.float32(1e-6), np.float32(1), np.float32(0)
@@ -119,6 +118,6 @@ def _overlap_sums(rows, columns, starts, g, source, t_in, t_of, t_geo, floor):  
                 y = columns[b]
                 r = one - max(abs(s_in[b] - inside[y]), abs(s_of[b] - of[y]))
                 ratio = (min(s_geo[b], geo[y]) + tiny) / (max(s_geo[b], geo[y]) + tiny)
-                total += max(r * ratio - floor, zero) * g[b]
+                total += max(r * ratio - floor, zero) * (g[b] if b != a else zero)
             out[a] = total
     return out

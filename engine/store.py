@@ -120,7 +120,7 @@ def default_cache() -> Cache:
 
 def cache_key(word: str, *parts: object) -> str:
     """A key from a version word and numbers, texts or arrays (by dtype, shape and bytes)."""
-    hasher = hashlib.sha256(word.encode())
+    hasher = hashlib.sha256(word.encode() + b"\0")
     for part in parts:
         if isinstance(part, np.ndarray):
             hasher.update(f"{part.dtype.str}{part.shape}".encode())

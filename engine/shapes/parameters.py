@@ -125,7 +125,8 @@ class MatchParameters(Parameters):
     # Voting
     voting: bool = parameter(True, "Hierarchical voting.", equation="Algorithm 1", live=True, methods=_T, group=_VOTE)
     second_run: bool = parameter(
-        True, "Run pruning and voting again with the voted matches as anchors; changes something only where voting dropped one.", live=True, methods=_T,
+        True, "Run pruning and voting again with the voted matches as anchors; this changes something only where "
+        "voting dropped an anchor.", live=True, methods=_T,
         group=_VOTE)  # fmt: skip
 
 

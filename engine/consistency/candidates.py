@@ -6,11 +6,15 @@ import numpy as np
 def k_best(pairs: np.ndarray, distance: np.ndarray, k: int, *, side: int) -> np.ndarray:
     """Which of the pairs (c, 2) are among the k nearest of their row on `side` (0 source, 1 target), (c,) bool.
 
-    Ties go to the smaller row of the other side, so the answer does not depend on the order of the pairs.
+    The pairs must be sorted and distinct; ties then go to the smaller row of the other side.
     """
-    order = np.lexsort((pairs[:, 1 - side], distance, pairs[:, side]))
+    if not len(pairs):
+        return np.zeros(0, dtype=bool)
+    nearest = np.argsort(distance, kind="stable")
+    row = pairs[nearest, side].astype(np.uint16 if pairs[:, side].max() < 2**16 else np.int64)
+    order = nearest[np.argsort(row, kind="stable")]  # a radix sort
     rows = pairs[order, side]
-    starts = np.searchsorted(rows, rows, side="left")
+    starts = np.searchsorted(rows, np.arange(rows[-1] + 1))[rows]
     kept = np.zeros(len(pairs), dtype=bool)
     kept[order] = np.arange(len(pairs)) - starts < k
     return kept

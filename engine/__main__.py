@@ -43,12 +43,16 @@ def build_app(draw: "PictureMaker" = no_pictures) -> App:
 
         Parameters
         ----------
-        source, target
-            Mesh files: OFF, OBJ, PLY, STL or GLB.
+        source
+            First mesh: OFF, OBJ, PLY, STL or GLB.
+        target
+            Second mesh.
         out
             Folder for the results; made if it is missing.
-        source_labels, target_labels
+        source_labels
             One integer a face; without it, a .seg file of the same stem, labels in the mesh file, or its components.
+        target_labels
+            The same for the second mesh.
         preset
             Named parameters; `concord parameters` lists them.
         set

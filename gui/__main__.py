@@ -59,10 +59,14 @@ def main(argv: Sequence[str] | None = None) -> int:
 
         Parameters
         ----------
-        source, target
-            Mesh files: OFF, OBJ, PLY, STL or GLB.
-        source_labels, target_labels
+        source
+            First mesh: OFF, OBJ, PLY, STL or GLB.
+        target
+            Second mesh.
+        source_labels
             One integer a face; without it, a .seg file of the same stem, labels in the mesh file, or its components.
+        target_labels
+            The same for the second mesh.
         """
         first, second = (str(file) if file else None for file in (source_labels, target_labels))
         return open_window((str(source), str(target)), (first, second))

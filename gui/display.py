@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import Mapping
 
-NO_GUI = "The window needs more packages; run: pip install 'concord-correspondences[gui]'."
+NO_GUI = "The window needs more packages; in Concord's folder run: pip install '.[gui]' (or make setup)."
 NO_DISPLAY = (
     "There is no display to open a window on; run concord on a desktop (or under xvfb-run), "
     "or use it without a window: concord match --help."

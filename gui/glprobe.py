@@ -24,7 +24,7 @@ window.Render()
 sys.stdout.write("drawn" if tuple(window.GetSize()) == (16, 16) else "size")
 sys.stdout.flush()
 """
-NO_VTK = "The shapes cannot be drawn because VTK is not installed; run: pip install 'concord-correspondences[gui]'."
+NO_VTK = "The shapes cannot be drawn because VTK is not installed; in Concord's folder run: pip install '.[gui]' (or make setup)."
 NO_GL = (
     "The shapes cannot be drawn because VTK finds no OpenGL on this computer; install the graphics driver or software"
     " rendering (Debian and Ubuntu: apt install libgl1 libegl1), then start Concord again."

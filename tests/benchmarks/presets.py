@@ -21,9 +21,9 @@ import numpy as np
 
 from engine.shapes.families import FAMILIES, POSES, VARIANTS, make_pair, parse_segments
 from engine.shapes.matching import match_shapes
-from engine.shapes.mesh import Mesh
+from engine.shapes.meshfile import load_shape, read_labels
 from engine.shapes.parameters import PRESETS, preset
-from engine.shapes.segmentation import SegmentedShape, segmentation_from_labels
+from engine.shapes.segmentation import SegmentedShape
 from engine.shapes.truth import evaluate_result
 from engine.store import default_cache
 
@@ -88,15 +88,8 @@ def princeton_tasks(options: argparse.Namespace) -> list[Task]:
 def read_princeton(text: str) -> tuple[SegmentedShape, np.ndarray]:
     """A shape and its classes from PATH.off:SEGMENTATION."""
     path, which = text.rsplit(":", 1)
-    words = Path(path).read_text().split()
-    n, m = int(words[1]), int(words[2])
-    vertices = np.array(words[4 : 4 + 3 * n], dtype=float).reshape(n, 3)
-    faces = np.array(words[4 + 3 * n : 4 + 3 * n + 4 * m], dtype=np.int64).reshape(m, 4)[:, 1:]
-    labels = np.loadtxt(Path(path).with_suffix(f".{which}.seg"), dtype=np.int64)
-    mesh = Mesh(vertices, faces, Path(path).stem)
-    return SegmentedShape(mesh, segmentation_from_labels(labels), path), np.loadtxt(
-        Path(path).with_suffix(".sem"), dtype=np.int64
-    )
+    file = Path(path)
+    return load_shape(file, file.with_suffix(f".{which}.seg")), read_labels(file.with_suffix(".sem"))
 
 
 def run(task: Task) -> list[Row]:
@@ -108,6 +101,9 @@ def run(task: Task) -> list[Row]:
     else:
         (source, a), (target, b) = read_princeton(task.source), read_princeton(task.target)
         truth, name = (a, b), f"{source.mesh.name}-{target.mesh.name}"
+    if min(source.segmentation.count, target.segmentation.count) < 2:
+        print(f"Left out: {task.group} {name}, a shape in one single segment.")
+        return []
     rows = []
     for chosen in task.presets:
         start = time.perf_counter()

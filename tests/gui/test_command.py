@@ -26,7 +26,7 @@ def test_without_a_display_it_says_so(monkeypatch, capsys):
 def test_without_the_packages_it_says_what_to_install(monkeypatch, capsys):
     monkeypatch.setattr(display, "missing_packages", lambda: ["PySide6"])
     assert main([]) == 2
-    assert "pip install 'concord-correspondences[gui]'" in capsys.readouterr().err
+    assert "pip install '.[gui]'" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -23,36 +23,38 @@ def no_pictures(source: "SegmentedShape", target: "SegmentedShape", result: "Mat
     return []
 
 
+Source = Annotated[Path, Parameter(help="First mesh: OFF, OBJ, PLY, STL or GLB.")]
+Target = Annotated[Path, Parameter(help="Second mesh.")]
+SourceLabels = Annotated[Path | None, Parameter(help="One integer a face; without it, a .seg file of the same stem, "
+                                                     "labels in the mesh file, or its components.")]  # fmt: skip
+TargetLabels = Annotated[Path | None, Parameter(help="The same for the second mesh.")]
+Words = Annotated[list[str] | None, Parameter(negative="", consume_multiple=True)]
+
+
 def build_app(draw: "PictureMaker" = no_pictures) -> App:
     """The engine's commands; `draw` makes the pictures of a report."""
     app = App(name="concord", help="Find consistent correspondences between segmented shapes.", version=_version)
+    app.command(list_parameters, name="parameters")
+    app.command(make_shapes, name="make-shapes")
 
     @app.command
     def match(
-        source: Path,
-        target: Path,
+        source: Source,
+        target: Target,
         *,
         out: Path,
-        source_labels: Path | None = None,
-        target_labels: Path | None = None,
+        source_labels: SourceLabels = None,
+        target_labels: TargetLabels = None,
         preset: str = DEFAULT_PRESET,
-        set: Annotated[list[str] | None, Parameter(negative="", consume_multiple=True)] = None,
+        set: Words = None,
         parameters: Path | None = None,
-    ) -> int:
+    ) -> None:
         """Match two meshes and write matches.json, matches.csv, parameters.json and report.html.
 
         Parameters
         ----------
-        source
-            First mesh: OFF, OBJ, PLY, STL or GLB.
-        target
-            Second mesh.
         out
             Folder for the results; made if it is missing.
-        source_labels
-            One integer a face; without it, a .seg file of the same stem, labels in the mesh file, or its components.
-        target_labels
-            The same for the second mesh.
         preset
             Named parameters; `concord parameters` lists them.
         set
@@ -65,55 +67,54 @@ def build_app(draw: "PictureMaker" = no_pictures) -> App:
         values = chosen_parameters(preset, set or (), parameters)
         shapes = load_shape(source, source_labels), load_shape(target, target_labels)
         match_into(output_folder(out), shapes[0], shapes[1], values, preset_name(values, preset), draw)
-        return 0
-
-    @app.command(name="parameters")
-    def list_parameters() -> None:
-        """List the presets and all parameters with their ranges, defaults, units and equations."""
-        print(parameter_text())
-
-    @app.command(name="make-shapes")
-    def make_shapes(
-        *,
-        out: Path,
-        family: Annotated[list[str] | None, Parameter(negative="", consume_multiple=True)] = None,
-        pairs: int = 1,
-        seed: int = 0,
-        variant: str = "touching",
-        segments: str = "10-16",
-        pose: str = "upright",
-    ) -> None:
-        """Write generated pairs of shapes with known truth: meshes, over-segmented labels and semantic labels.
-
-        Parameters
-        ----------
-        out
-            Folder for the shapes; made if it is missing.
-        family
-            Families of shapes (all if none is named).
-        pairs
-            Number of pairs of each family.
-        seed
-            Seed of the first pair; the same seed gives the same files.
-        variant
-            touching (parts share no vertices) or welded (one surface).
-        segments
-            Fewest and most segments of a shape, as LOW-HIGH.
-        pose
-            upright, or turned (each shape rotated at random).
-        """
-        from .shapes.families.collection import make_collection
-
-        folder = output_folder(out)
-        with progress_bar() as progress:
-            written = make_collection(
-                folder, families=family or (), count=pairs, seed=seed, variant=variant, segments=segments, pose=pose,
-                progress=progress)  # fmt: skip
-        counts = [len(set(path.with_suffix(".seg").read_text().split())) for path in written]
-        print(f"{len(written)} meshes of {min(counts)} to {max(counts)} segments written to {folder}, "
-              "with their labels (.seg) and truth (.sem)")  # fmt: skip
 
     return app
+
+
+def list_parameters() -> None:
+    """List the presets and all parameters with their ranges, defaults, units and equations."""
+    print(parameter_text())
+
+
+def make_shapes(
+    *,
+    out: Path,
+    family: Words = None,
+    pairs: int = 1,
+    seed: int = 0,
+    variant: str = "touching",
+    segments: str = "10-16",
+    pose: str = "upright",
+) -> None:
+    """Write generated pairs of shapes with known truth: meshes, over-segmented labels and semantic labels.
+
+    Parameters
+    ----------
+    out
+        Folder for the shapes; made if it is missing.
+    family
+        Families of shapes (all if none is named).
+    pairs
+        Number of pairs of each family.
+    seed
+        Seed of the first pair; the same seed gives the same files.
+    variant
+        touching (parts share no vertices) or welded (one surface).
+    segments
+        Fewest and most segments of a shape, as LOW-HIGH.
+    pose
+        upright, or turned (each shape rotated at random).
+    """
+    from .shapes.families.collection import make_collection
+
+    folder = output_folder(out)
+    with progress_bar() as progress:
+        written = make_collection(
+            folder, families=family or (), count=pairs, seed=seed, variant=variant, segments=segments, pose=pose,
+            progress=progress)  # fmt: skip
+    counts = [len(set(path.with_suffix(".seg").read_text().split())) for path in written]
+    print(f"{len(written)} meshes of {min(counts)} to {max(counts)} segments written to {folder}, "
+          "with their labels (.seg) and truth (.sem)")  # fmt: skip
 
 
 def match_into(
@@ -173,7 +174,7 @@ def parameter_text() -> str:
             group = info.group
             lines += ["", f"{group}:"]
         kinds = "|".join(info.choices) if info.choices else "true|false" if info.kind == "switch" else f"{info.low:g}..{info.high:g}"
-        details = [d for d in (info.symbol, info.unit, f"Eq {info.equation}" if info.equation else "", *info.methods) if d]
+        details = [d for d in (info.symbol, info.unit, info.source, *info.methods) if d]
         lines.append(f"  {info.name:<20}{info.default!s:<12}{kinds:<40}{info.doc}" + (f" [{', '.join(details)}]" if details else ""))
     return "\n".join(lines)
 

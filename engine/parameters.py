@@ -63,6 +63,11 @@ class ParameterInfo(NamedTuple):
     live: bool
     methods: tuple[str, ...]
 
+    @property
+    def source(self) -> str:
+        """Where it comes from, in words: 'Equation 3.3' or 'Algorithm 1'; empty where nothing is cited."""
+        return f"Equation {self.equation}" if self.equation[:1].isdigit() else self.equation
+
 
 class Parameters(BaseModel):
     """A frozen group of declared parameters."""

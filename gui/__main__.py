@@ -45,7 +45,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if not arguments:
         return open_window()
     from annotation.__main__ import app as study
-    from engine.__main__ import build_app
+    from engine.__main__ import Source, SourceLabels, Target, TargetLabels, build_app
     from engine.cli import run
 
     app = build_app(report_pictures)
@@ -53,21 +53,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     @app.command(name="open")
     def open_pair(
-        source: Path, target: Path, *, source_labels: Path | None = None, target_labels: Path | None = None
+        source: Source, target: Target, *, source_labels: SourceLabels = None, target_labels: TargetLabels = None
     ) -> int:
-        """Open the window on two meshes.
-
-        Parameters
-        ----------
-        source
-            First mesh: OFF, OBJ, PLY, STL or GLB.
-        target
-            Second mesh.
-        source_labels
-            One integer a face; without it, a .seg file of the same stem, labels in the mesh file, or its components.
-        target_labels
-            The same for the second mesh.
-        """
+        """Open the window on two meshes."""
         first, second = (str(file) if file else None for file in (source_labels, target_labels))
         return open_window((str(source), str(target)), (first, second))
 

@@ -73,7 +73,7 @@ def caption(info: ParameterInfo) -> str:
 
 def help_text(info: ParameterInfo, reference: Any) -> str:
     """What hovering says: the sentence, the equation, the range, the preset's value and what a change costs."""
-    where = f"Equation {info.equation}" if info.equation[:1].isdigit() else info.equation
+    where = info.source
     unit = f" {info.unit}" if info.unit else ""
     bounds = f"{info.low:g} to {info.high:g}{unit}" if info.low is not None and info.high is not None else ""
     cost = "Followed while you move it." if info.live else "Computed anew when you let go."

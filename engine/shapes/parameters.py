@@ -16,7 +16,7 @@ class MatchParameters(Parameters):
 
     method: Literal["thesis", "top-down"] = parameter(
         TOP_DOWN, "How candidates are pruned: the thesis's two-stage diffusion pruning, or top-down agreement.",
-        group="Method")  # fmt: skip
+        live=True, group="Method")  # fmt: skip
 
     # Segment graph
     adjacency: Literal["auto", "shared", "proximity"] = parameter(

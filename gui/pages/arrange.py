@@ -52,18 +52,9 @@ def state_of(match_id: str, verdicts: Mapping[str, str]) -> str:
 
 def main_ids(result: MatchResult) -> frozenset[str]:
     """The matches to show first: one-to-one ones, and merged ones that do not follow from smaller ones nor overlap."""
-    from engine.shapes.summary import implied
+    from ..views.links import main_links
 
-    follows = implied(result.source_members, result.target_members)
-    chosen = [m for m in result.matches() if not merged(m)]
-    taken: tuple[set[int], set[int]] = (set(), set())
-    new = [m for m, old in zip(result.matches(), follows, strict=True) if merged(m) and not old]
-    for m in sorted(new, key=lambda m: len(m.source) + len(m.target)):
-        if taken[0].isdisjoint(m.source) and taken[1].isdisjoint(m.target):
-            chosen.append(m)
-            taken[0].update(m.source)
-            taken[1].update(m.target)
-    return frozenset(m.id for m in chosen)
+    return frozenset(link.id for link in main_links(result))
 
 
 def shows(match: Match, shown: str, main: Container[str]) -> bool:

@@ -25,8 +25,8 @@ from ..palette import rgb, segment_colours, theme
 from ..parameter_form import ParameterForm
 from ..session import Session, State
 from ..views.mesh_pair import MeshPairView
-from ..views.scene import Link, layer_colours, layer_nodes
-from .arrange import SHOWN, listed, merged, short_notes, short_union, smallest_with, state_of
+from ..views.scene import Link, layer_colours, layer_nodes, link_of
+from .arrange import SHOWN, listed, short_notes, short_union, smallest_with, state_of
 from .judging import Judging, checked_code
 from .layers import LayerBar, Place, node_list, step_layer, step_node
 from .match_list import MatchList
@@ -51,7 +51,7 @@ def links_of(state: State) -> list[Link]:
         return []
     if state.layer:
         rows = [m for m in rows if state.layer in (m.source_layer, m.target_layer)]
-    return [Link(m.id, m.source, m.target, state_of(m.id, state.verdicts), m.score, merged(m)) for m in reversed(rows)]
+    return [link_of(m, state_of(m.id, state.verdicts)) for m in reversed(rows)]
 
 
 class ShapesPage(QWidget):

@@ -7,8 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from engine.shapes.result import MatchResult
+from engine.shapes.summary import implied
+
 from .planar import contains, convex_hull, distance_to_segments, polygon_area
-from .scene import Link
+from .scene import Link, links_of
 
 REACH = 5.0
 SYMBOL_ROOM = 19.0
@@ -79,6 +82,16 @@ def apart(links: Sequence[Link]) -> list[Link]:
             taken[0].update(links[row].source)
             taken[1].update(links[row].target)
     return [links[row] for row in sorted(chosen)]
+
+
+def main_links(result: MatchResult) -> list[Link]:
+    """The links to show first, the best last: one-to-one ones, and merged ones that do not follow from smaller ones and
+    of which no two share a segment."""
+    links = links_of(result)
+    follows = implied(result.source_members, result.target_members)[::-1]
+    new = apart([link for link, old in zip(links, follows, strict=True) if link.merged and not old])
+    kept = {link.id for link in new}
+    return [link for link in links if not link.merged or link.id in kept]
 
 
 def folded(links: Sequence[Link]) -> frozenset[str]:

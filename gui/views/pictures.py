@@ -16,7 +16,7 @@ from engine.shapes.segmentation import SegmentedShape
 from .. import glprobe
 from ..palette import LIGHT, Theme, segment_colours
 from .figures import png_bytes
-from .links import apart
+from .links import main_links
 from .scene import Link, links_of, prepare
 
 _app: QCoreApplication | None = None
@@ -72,13 +72,13 @@ def report_pictures(
     """
     links = links_of(result)
     merged = [link for link in links if link.merged]
-    shown = apart(merged)
+    shown = [link for link in main_links(result) if link.merged]
     single = [link for link in links if not link.merged]
     pictures = [(_counted(len(single), "one-to-one match", "one-to-one matches"), single)]
     if merged:
         title = _counted(len(merged), "match of merged segments", "matches of merged segments")
         if len(shown) < len(merged):
-            title += f", {len(shown)} of them shown: the smallest that share no segment"
+            title += f", {len(shown)} of them shown: small ones that share no segment"
         pictures.append((title, shown))
     return [(title, draw_pair(source, target, group, theme=theme)) for title, group in pictures]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from engine.shapes.multilayer import MultiLayerGraph
-from engine.shapes.result import MatchResult
+from engine.shapes.result import Match, MatchResult
 from engine.shapes.segmentation import SegmentedShape
 
 from .upright import up_axis, upright
@@ -31,13 +31,16 @@ class Link:
     merged: bool = False
 
 
+def link_of(match: Match, state: str = "undecided") -> Link:
+    """A match as a link, judged as `state` says."""
+    merged = len(match.source) + len(match.target) > 2
+    return Link(match.id, match.source, match.target, state, match.score, merged)
+
+
 def links_of(result: MatchResult, states: Mapping[str, str] | None = None) -> list[Link]:
     """The matches of a result as links, the best last so that it lies on top; `states` gives judgements by id."""
     judged = states or {}
-    return [
-        Link(m.id, m.source, m.target, judged.get(m.id, "undecided"), m.score, len(m.source) + len(m.target) > 2)
-        for m in reversed(result.matches())
-    ]
+    return [link_of(m, judged.get(m.id, "undecided")) for m in reversed(result.matches())]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

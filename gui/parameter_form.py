@@ -1,7 +1,7 @@
 """A group of declared parameters as a form: one row each, made from the declaration alone."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -205,6 +205,14 @@ class _Row(QObject):
             widget.setVisible(on)
 
 
+def live_groups_first(infos: Sequence[ParameterInfo]) -> list[ParameterInfo]:
+    """The parameters by group, groups that follow while a slider moves before those that cost a whole run."""
+    groups: dict[str, list[ParameterInfo]] = {}
+    for info in infos:
+        groups.setdefault(info.group, []).append(info)
+    return [info for group in sorted(groups.values(), key=lambda group: not any(i.live for i in group)) for info in group]
+
+
 class ParameterForm(QWidget):
     """All rows of a model under the headings of their steps; only those that the current method uses are visible.
 
@@ -223,7 +231,7 @@ class ParameterForm(QWidget):
         grid.setHorizontalSpacing(4)
         grid.setVerticalSpacing(2)
         grid.setColumnStretch(2, 1)
-        for info in declared(model):
+        for info in live_groups_first(declared(model)):
             self._add(grid, info)
         outer = QVBoxLayout(self)
         outer.setContentsMargins(8, 4, 8, 8)

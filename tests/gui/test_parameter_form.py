@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QCheckBox, QComboBox, QDoubleSpinBox
 
 from engine.parameters import Parameters, declared, parameter
 from engine.shapes.parameters import PRESETS, MatchParameters, preset
-from gui.parameter_form import ParameterForm, applies, caption, help_text, scale
+from gui.parameter_form import ParameterForm, applies, caption, help_text, live_groups_first, scale
 
 INFO = {info.name: info for info in declared(MatchParameters)}
 RIGID = preset("thesis-rigid")
@@ -41,7 +41,7 @@ def test_a_scale_covers_the_declared_range(info):
 
 def test_every_parameter_has_the_editor_of_its_kind(form):
     kinds = {"switch": QCheckBox, "choice": QComboBox, "real": QDoubleSpinBox, "integer": QDoubleSpinBox}
-    assert list(form.rows) == list(INFO)
+    assert sorted(form.rows) == sorted(INFO)
     for name, row in form.rows.items():
         assert isinstance(row.editor, kinds[INFO[name].kind]), name
     assert form.rows["delta_1"].slider is not None
@@ -169,3 +169,10 @@ def test_any_group_of_parameters_makes_a_form(qtbot):
     form.show_values(Two(gap=1.0), Two())
     assert form.rows["gap"].slider.maximum() == 100
     assert form.rows["gap"].slider.value() == 50
+
+
+def test_groups_that_follow_a_slider_come_first_and_keep_their_order():
+    groups = list(dict.fromkeys(info.group for info in live_groups_first(declared(MatchParameters))))
+    live = {info.group for info in declared(MatchParameters) if info.live}
+    assert groups[: len(live)] == ["Method", "Candidates", "Pruning", "Voting"]
+    assert groups[len(live) :] == ["Segment graph", "Multi-layer graph", "Descriptor"]

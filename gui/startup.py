@@ -1,6 +1,7 @@
 """Start of the window: painted at once, furnished when the heavy modules have been imported in a thread."""
 
 import importlib
+import signal
 import sys
 from collections.abc import Sequence
 
@@ -49,4 +50,8 @@ def run(pair: Sequence[str] = (), labels: Labels = (None, None)) -> int:
     app.setDesktopFileName("concord")
     window = MainWindow()
     open_window(window, pair, labels)
+    signal.signal(signal.SIGINT, lambda *_: window.close())  # Ctrl+C in the terminal closes as the mouse does
+    awake = QTimer(window, interval=200)  # lets Python see the signal while Qt waits for events
+    awake.timeout.connect(lambda: None)
+    awake.start()
     return app.exec()

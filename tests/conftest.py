@@ -21,6 +21,15 @@ def real_shapes() -> Path:
     return folder
 
 
+@pytest.fixture(scope="session")
+def real_puzzles() -> Path:
+    """The folder of real pictures; skips where they are not on this machine."""
+    folder = DATA / "puzzles"
+    if not folder.is_dir():
+        pytest.skip(f"the real pictures are not here ({folder}); set CONCORD_DATA to the folder that holds 'puzzles'")
+    return folder
+
+
 @pytest.fixture(autouse=True)
 def own_cache(tmp_path_factory, monkeypatch):
     """No test reads or writes the user's own cache."""

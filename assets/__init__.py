@@ -1,4 +1,4 @@
-"""Files that ship with Concord: the example shapes, and whatever stands beside them."""
+"""Files that ship with Concord: the example shapes and the example picture."""
 
 from pathlib import Path
 
@@ -20,3 +20,8 @@ def example_pairs() -> list[tuple[str, Path, Path]]:
         source = next((folder() / "examples" / name).glob("*_a.off"))
         found.append((name, source, source.with_name(source.name.replace("_a.off", "_b.off"))))
     return found
+
+
+def example_picture() -> Path:
+    """The bundled picture for puzzles, a portrait in the public domain (its licence stands beside it)."""
+    return folder() / "pictures" / "grace_hopper.jpg"

@@ -1,9 +1,9 @@
-"""What the window shows, as one frozen state; pages apply only the difference, and undo keeps old states."""
+"""What the window shows, as one frozen state a page; pages apply only the difference, and undo keeps old states."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, ClassVar, Self
 
 from PySide6.QtCore import QObject, Signal
 
@@ -11,13 +11,12 @@ from engine.shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters
 from engine.shapes.result import Match, MatchResult
 from engine.shapes.segmentation import SegmentedShape
 
-UNDOABLE = ("source", "target", "set_name", "preset", "parameters", "proposals", "prepared_with", "result", "main")
 LONGEST_HISTORY = 200
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """Everything that the pages draw from.
+    """Everything that the pages of shapes draw from.
 
     `proposals` were prepared with `prepared_with` and serve every change of a live parameter; `result` may be older
     than `parameters` for the moment that a job takes, and `main` are the ids of its matches that say something new and
@@ -25,6 +24,9 @@ class State:
     the majorities, both by match id, as they stand in the study file. `layer` 0 shows the matches, 1..L a layer of
     the multi-layer graph, `node` one node of it (-1: all).
     """
+
+    UNDOABLE: ClassVar[tuple[str, ...]] = (
+        "source", "target", "set_name", "preset", "parameters", "proposals", "prepared_with", "result", "main")  # fmt: skip
 
     source: SegmentedShape | None = None
     target: SegmentedShape | None = None
@@ -55,6 +57,10 @@ class State:
         """The match of this id, if the result has it."""
         return next((m for m in self.matches() if m.id == match_id), None)
 
+    def settled(self) -> Self:
+        """The state without a selection that its result does not have."""
+        return self if self.match(self.selected) is not None else replace(self, selected="")
+
 
 @lru_cache(maxsize=2)
 def matches_of(result: MatchResult) -> list[Match]:
@@ -62,23 +68,27 @@ def matches_of(result: MatchResult) -> list[Match]:
     return result.matches()
 
 
-def difference(old: State, new: State) -> frozenset[str]:
-    """Names of the fields that differ."""
-    pairs = ((name, getattr(old, name), getattr(new, name)) for name in State.__slots__)
+def difference(old: Any, new: Any) -> frozenset[str]:
+    """Names of the fields in which two states of one kind differ."""
+    pairs = ((name, getattr(old, name), getattr(new, name)) for name in type(old).__slots__)
     return frozenset(name for name, a, b in pairs if a is not b and a != b)
 
 
 class Session(QObject):
-    """Holds the one state, tells who listens what changed, and goes back and forth."""
+    """Holds the one state of a page, tells who listens what changed, and goes back and forth.
+
+    A state is a frozen dataclass that names its `UNDOABLE` fields and drops with `settled()` what such a step leaves
+    without an object.
+    """
 
     changed = Signal(object, object, object)
-    """old `State`, new `State`, frozenset of the names that differ"""
+    """old state, new state, frozenset of the names that differ"""
 
-    def __init__(self, state: State | None = None, parent: QObject | None = None) -> None:
+    def __init__(self, state: Any = None, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.state = state or State()
-        self._undo: list[State] = []
-        self._redo: list[State] = []
+        self._undo: list[Any] = []
+        self._redo: list[Any] = []
         self._merging = ""
 
     def update(self, *, merge: str = "", record: bool = True, **changes: Any) -> frozenset[str]:
@@ -91,7 +101,7 @@ class Session(QObject):
         names = difference(old, new)
         if not names:
             return names
-        if record and names & set(UNDOABLE):
+        if record and names & set(new.UNDOABLE):
             if not (merge and merge == self._merging and self._undo):
                 self._undo = [*self._undo[-LONGEST_HISTORY + 1 :], old]
             self._merging = merge
@@ -122,14 +132,12 @@ class Session(QObject):
         """Do the step again that was undone last."""
         self._travel(self._redo, self._undo)
 
-    def _travel(self, there: list[State], back: list[State]) -> None:
+    def _travel(self, there: list[Any], back: list[Any]) -> None:
         if not there:
             return
         old, goal = self.state, there.pop()
         back.append(old)
         self._merging = ""
-        self.state = replace(old, **{name: getattr(goal, name) for name in UNDOABLE})
-        if self.state.match(old.selected) is None:
-            self.state = replace(self.state, selected="")
+        self.state = replace(old, **{name: getattr(goal, name) for name in old.UNDOABLE}).settled()
         names = difference(old, self.state)
         self.changed.emit(old, self.state, names)

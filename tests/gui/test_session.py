@@ -3,7 +3,7 @@
 import pytest
 
 from engine.shapes.parameters import preset
-from gui.session import UNDOABLE, Session, State, difference
+from gui.session import Session, State, difference
 
 RIGID, NONRIGID = preset("thesis-rigid"), preset("thesis-nonrigid")
 
@@ -103,4 +103,4 @@ def test_votes_and_view_survive_undo(session):
     session.undo()
     state = session.state
     assert (state.answers, state.layer, state.dark, state.volunteer) == ({"a": "wrong"}, 2, True, "ana")
-    assert not {"answers", "verdicts", "study", "volunteer"} & set(UNDOABLE)
+    assert not {"answers", "verdicts", "study", "volunteer"} & set(State.UNDOABLE)

@@ -1,5 +1,6 @@
 """Exchange: study files are merged by the union of their events, and votes are exported as CSV."""
 
+import json
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,6 +12,7 @@ from engine.errors import BadInput
 from . import schema
 from .csvtext import csv_text
 from .database import StudyFile
+from .proposals import canonical
 from .study import about, open_study
 
 VOTE_COLUMNS = (
@@ -107,5 +109,14 @@ def _vote_row(row: Row[Any], standing: set[str], current: set[str]) -> tuple[obj
     state = "current" if row.uuid in current else "replaced" if row.uuid in standing else "retracted"
     return (
         row.item_id, row.item_kind, row.volunteer, row.round, row.answer, state, row.comment, row.clock, row.shown_ms,
-        row.active_ms, row.created_at, row.uuid, row.supersedes, row.payload,
+        row.active_ms, row.created_at, row.uuid, row.supersedes, _without_pictures(row.payload),
     )  # fmt: skip
+
+
+def _without_pictures(payload: str) -> str:
+    """A payload as it is, but for the pictures of puzzle pieces: no table takes cells of that size."""
+    content = json.loads(payload)
+    if "pieces" not in content:
+        return payload
+    pieces = [{name: value for name, value in piece.items() if name != "png"} for piece in content["pieces"]]
+    return canonical(content | {"pieces": pieces})

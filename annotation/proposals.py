@@ -70,6 +70,9 @@ def pair_id(source: Mapping[str, Any], target: Mapping[str, Any]) -> str:
 
 
 def _input(side: Mapping[str, Any]) -> str:
+    """What an input is known by: a mesh and how it was cut up, or a puzzle (which has no second input)."""
+    if not side or "pieces" in side:
+        return canonical([side.get("sha256", "")])
     return canonical([side["sha256"], side["segments"], side["faces"], side.get("segmentation", "")])
 
 

@@ -28,7 +28,8 @@ class Item:
 
     `id` is the content hash of the match. The payload of a "shape" item is `{"source": side, "target": side}` with
     side = `{"file", "sha256", "segments": [label, ...]}`, enough to show the match again; which side is called source
-    does not depend on the direction in which the match was found.
+    does not depend on the direction in which the match was found. That of a "puzzle" item holds the pictures of its two
+    pieces (see `annotation.puzzlejoins.join_items`).
     """
 
     id: str
@@ -78,7 +79,8 @@ class Run:
     """One method with one set of parameters on one pair, and its distinct proposals, best first.
 
     `source` and `target` are `{"file", "sha256", "segments", "faces"}`, the last two being numbers, and, where known,
-    `"segmentation"`, the hash of the labels.
+    `"segmentation"`, the hash of the labels. A puzzle is one input, `source` = `{"file", "sha256", "pieces"}`; its
+    `preset` is the measure and its `target` empty.
     """
 
     kind: Kind

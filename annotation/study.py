@@ -22,9 +22,11 @@ from .stamps import app_version, now
 from .voting import (
     answers,
     current_votes,
+    item,
     items,
     majority,
     next_item,
+    ordered_ids,
     progress,
     record_vote,
     sides_swapped,
@@ -36,8 +38,8 @@ from .voting import (
 __all__ = [
     "ANSWERS", "DEFAULT_QUESTION", "Answer", "Item", "Majority", "Proposal", "Run", "Study", "StudyFile", "Verdict",
     "Volunteer", "Vote", "VotingProgress", "about", "add_items", "add_result", "add_run", "answers", "create_study",
-    "current_votes", "items", "majority", "next_item", "open_study", "progress", "record_vote", "shape_item",
-    "sides_swapped", "undo_vote", "volunteer", "volunteers",
+    "current_votes", "item", "items", "majority", "next_item", "open_study", "ordered_ids", "progress", "record_vote",
+    "shape_item", "sides_swapped", "undo_vote", "volunteer", "volunteers",
 ]  # fmt: skip
 
 DEFAULT_QUESTION = "Do the two marked parts correspond?"

@@ -116,12 +116,30 @@ def items(handle: StudyFile, volunteer_code: str) -> tuple[Item, ...]:
     return tuple(_item(row) for row in sorted(rows, key=lambda row: _draw(seed, "order", row.id)))
 
 
+def ordered_ids(handle: StudyFile, volunteer_code: str) -> tuple[str, ...]:
+    """The ids of `items` in the same order, without reading what they show."""
+    seed = volunteer(handle, volunteer_code).seed
+    with handle.reading() as connection:
+        ids = connection.scalars(select(schema.item.c.id)).all()
+    return tuple(sorted(ids, key=lambda item_id: _draw(seed, "order", item_id)))
+
+
+def item(handle: StudyFile, item_id: str) -> Item:
+    """One item; raises `BadInput` where the study has none of this id."""
+    with handle.reading() as connection:
+        row = connection.execute(select(schema.item).where(schema.item.c.id == item_id)).first()
+    if row is None:
+        raise BadInput(f"The study has no item {item_id}; add its result first.")
+    return _item(row)
+
+
 def next_item(handle: StudyFile, volunteer_code: str, *, round: int = 1, skipped: Collection[str] = ()) -> Item | None:
     """The first item that this volunteer has not answered; those `skipped` come back at the end; None when done."""
     code = checked_code(volunteer_code)
     done = set(answers(handle, code, round=round))
-    left = [item for item in items(handle, code) if item.id not in done]
-    return min(left, key=lambda item: item.id in skipped, default=None)
+    left = [item_id for item_id in ordered_ids(handle, code) if item_id not in done]
+    chosen = min(left, key=lambda item_id: item_id in skipped, default=None)
+    return None if chosen is None else item(handle, chosen)
 
 
 def sides_swapped(voter: Volunteer, item_id: str) -> bool:

@@ -118,6 +118,15 @@ def default_cache() -> Cache:
     return Cache(Path(os.environ.get("CONCORD_CACHE") or platformdirs.user_cache_dir("concord")) / "descriptors")
 
 
+def digest(*parts: bytes) -> str:
+    """SHA-256 of the parts, each with its length before it, as hexadecimal digits."""
+    hasher = hashlib.sha256()
+    for part in parts:
+        hasher.update(len(part).to_bytes(8, "little"))
+        hasher.update(part)
+    return hasher.hexdigest()
+
+
 def cache_key(word: str, *parts: object) -> str:
     """A key from a version word and numbers, texts or arrays (by dtype, shape and bytes)."""
     hasher = hashlib.sha256(word.encode() + b"\0")

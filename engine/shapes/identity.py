@@ -4,26 +4,18 @@ mesh = sha256 of the arrays; segment = sha256(mesh, sorted faces); node = sha256
 match = sha256 of its kind and its two nodes, in sorted order: a match is the same from either side.
 """
 
-import hashlib
 from collections.abc import Iterable
 
 import numpy as np
 
+from ..store import digest
 from .mesh import Mesh
 from .segmentation import Segmentation
 
 
-def _digest(*parts: bytes) -> str:
-    hasher = hashlib.sha256()
-    for part in parts:
-        hasher.update(len(part).to_bytes(8, "little"))
-        hasher.update(part)
-    return hasher.hexdigest()
-
-
 def mesh_id(mesh: Mesh) -> str:
     """Hash of the vertices (little-endian float64) and faces (little-endian int64)."""
-    return _digest(b"mesh", mesh.vertices.astype("<f8").tobytes(), mesh.faces.astype("<i8").tobytes())
+    return digest(b"mesh", mesh.vertices.astype("<f8").tobytes(), mesh.faces.astype("<i8").tobytes())
 
 
 def segment_ids(mesh: Mesh, segmentation: Segmentation) -> tuple[str, ...]:
@@ -31,14 +23,14 @@ def segment_ids(mesh: Mesh, segmentation: Segmentation) -> tuple[str, ...]:
     mesh_hash = mesh_id(mesh).encode()
     order = np.argsort(segmentation.labels, kind="stable").astype("<i8")
     bounds = np.cumsum(np.bincount(segmentation.labels))[:-1]
-    return tuple(_digest(b"segment", mesh_hash, rows.tobytes()) for rows in np.split(order, bounds))
+    return tuple(digest(b"segment", mesh_hash, rows.tobytes()) for rows in np.split(order, bounds))
 
 
 def node_id(segments: Iterable[str]) -> str:
     """Hash of the sorted hashes of the segments that a node unites."""
-    return _digest(b"node", *(s.encode() for s in sorted(segments)))
+    return digest(b"node", *(s.encode() for s in sorted(segments)))
 
 
 def match_id(source_node: str, target_node: str, kind: str = "shape") -> str:
     """Hash of the kind of match and its two nodes."""
-    return _digest(b"match", kind.encode(), *(n.encode() for n in sorted((source_node, target_node))))
+    return digest(b"match", kind.encode(), *(n.encode() for n in sorted((source_node, target_node))))

@@ -34,6 +34,9 @@ def test_a_study_remembers_what_it_was_made_with(tmp_path):
 def test_an_item_can_be_shown_again(handle):
     shown = {item.id: item for item in study.items(handle, "anna")}
     assert set(shown) == {FOOT, STEM, SHADE}
+    assert study.item(handle, SHADE) == shown[SHADE]
+    with pytest.raises(BadInput, match="no item x"):
+        study.item(handle, "x")
     assert shown[SHADE].payload == {
         "source": {"file": "lamp.off", "sha256": "a" * 64, "segments": ["shade"]},
         "target": {"file": "vase.off", "sha256": "b" * 64, "segments": [9]},
@@ -154,7 +157,7 @@ def test_next_item_walks_through_the_volunteers_own_order(handle):
     while (item := study.next_item(handle, "anna")) is not None:
         walked.append(item.id)
         study.record_vote(handle, item.id, "anna", "correct")
-    assert walked == order
+    assert walked == order == list(study.ordered_ids(handle, "anna"))
 
 
 def test_a_skipped_item_comes_back_at_the_end(handle):

@@ -76,9 +76,9 @@ def _deep_grey(values: np.ndarray, transparent: object) -> np.ndarray:
     """Grey values of more than 8 bits as RGBA: scaled from [0, 1], 8 or 16 bits, else from the darkest to the brightest."""
     grey = np.nan_to_num(values.astype(np.float64), posinf=0.0, neginf=0.0)
     low, high = float(grey.min()), float(grey.max())
-    if values.dtype.kind == "f" and 0 <= low and high <= 1:
+    if values.dtype.kind == "f" and low >= 0 and high <= 1:
         grey = grey * 255
-    elif values.dtype.itemsize == 2 or (0 <= low and 255 < high <= 65535):
+    elif values.dtype.itemsize == 2 or (low >= 0 and 255 < high <= 65535):
         grey = grey / 257
     elif low < 0 or high > 65535:
         grey = (grey - low) * (255 / (high - low))

@@ -1,13 +1,15 @@
 """Where a piece is in its image: the transparent or plain ground around it is told apart and taken away."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-from scipy import ndimage
+from scipy import ndimage as _ndimage
 
 from .pieces import rectangle
 from .tracing import trace, whole
 
+ndimage: Any = _ndimage  # its functions are not seen by type checkers
 SEEN = 128  # alpha from which a pixel belongs to a piece
 HALO = 3  # pixels that a halo may be wide
 CRISP, ROUGH = 1.2, 3.0  # pixels a boundary may stray from its side: cut by a program, and by hand or by a scanner

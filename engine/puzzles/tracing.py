@@ -1,10 +1,13 @@
 """From the mask of a piece to its polygon: the boundary between pixels, its straight sides, and their corners."""
 
+from typing import Any
+
 import numpy as np
-from scipy import ndimage
+from scipy import ndimage as _ndimage
 
 from .turning import from_the_top
 
+ndimage: Any = _ndimage  # its functions are not seen by type checkers
 _STEPS = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])  # right, down, left, up: clockwise as seen, y down
 
 
@@ -35,7 +38,8 @@ def boundary(mask: np.ndarray) -> np.ndarray:
         for y, x in zip(*np.nonzero(inside & open_side), strict=True):
             leaving.setdefault((int(x) + dx, int(y) + dy), []).append(direction)
     first = min(leaving, key=lambda p: (p[1], p[0]))
-    outline, here, direction = [], first, 0
+    outline: list[tuple[int, int]] = []
+    here, direction = first, 0
     while not outline or here != first:
         # Where two pixels touch at a corner, turn right: pixels that share no edge are not joined.
         choices = leaving[here]

@@ -46,7 +46,8 @@ class Follower:
     """Projects one slowly changing symmetric matrix after another; the first, and any that has jumped, in full.
 
     `degree` is that of the filter: a higher one follows faster changes and costs one more product each.
-    `dense` counts the full decompositions made, `was_full` says whether the last was one. The random vectors are seeded: the same matrices give the same answers.
+    `dense` counts the full decompositions made, `was_full` says whether the last was one. The random
+    vectors are seeded: the same matrices give the same answers.
     """
 
     degree: int = 2

@@ -1,16 +1,19 @@
-"""What the voting page shows next: an item of the study with its two shapes found again on this computer."""
+"""What the voting page shows next: an item of the study, a match with its two shapes found again, or a puzzle's join."""
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from annotation import study
-from annotation.study import Item, StudyFile, VotingProgress
+from annotation.study import Item, StudyFile, Volunteer, VotingProgress
 from engine.errors import BadInput, ConcordError
 from engine.shapes.identity import match_id, mesh_id, node_id, segment_ids
 from engine.shapes.segmentation import SegmentedShape
 
+from ..views.join import JoinPicture, join_picture
+
 MOST_KEPT = 12
+JOIN_QUESTION = "Do these two pieces belong together like this?"
 
 
 class Question(NamedTuple):
@@ -22,12 +25,19 @@ class Question(NamedTuple):
     swapped: bool
 
 
+class JoinQuestion(NamedTuple):
+    """A join of a puzzle, shown to everybody in the same way: a picture turned or mirrored is another one."""
+
+    item: Item
+    picture: JoinPicture
+
+
 class Asked(NamedTuple):
     """The next question, or none and why; and how far the volunteer is."""
 
     words: str
     guideline: str
-    question: Question | None
+    question: Question | JoinQuestion | None
     progress: VotingProgress
     missing: tuple[str, ...]
     answer: str = ""
@@ -109,19 +119,29 @@ def ask_next(handle: StudyFile, code: str, skipped: Collection[str], kept: Shape
     """The next question that can be shown, or that about the item `again`."""
     about, voter = study.about(handle), study.volunteer(handle, code)
     given = study.answers(handle, code)
-    order = study.items(handle, code)
-    wanted = [i for i in order if i.id == again] if again else [i for i in order if i.id not in given]
+    order = [again] if again else [i for i in study.ordered_ids(handle, code) if i not in given]
     missing: list[str] = []
-    for item in sorted(wanted, key=lambda item: item.id in skipped):
+    for item_id in sorted(order, key=lambda item_id: item_id in skipped):
         try:
-            if item.kind != "shape":
-                continue
-            question = question_of(item, study.sides_swapped(voter, item.id), Path(handle.path).parent, kept)
+            question = shown_as(study.item(handle, item_id), voter, Path(handle.path).parent, kept)
         except ConcordError as error:
             missing.append(str(error))
             continue
-        return Asked(about.question, about.guideline, question, study.progress(handle, code), (), given.get(item.id, ""))
+        words = question_words(about.question, question.item)
+        return Asked(words, about.guideline, question, study.progress(handle, code), (), given.get(item_id, ""))
     return Asked(about.question, about.guideline, None, study.progress(handle, code), tuple(dict.fromkeys(missing)))
+
+
+def shown_as(item: Item, voter: Volunteer, near: Path, kept: Shapes) -> Question | JoinQuestion:
+    """An item as this volunteer sees it; raises `BadInput` where it cannot be shown."""
+    if item.kind == "puzzle":
+        return JoinQuestion(item, join_picture(item.payload))
+    return question_of(item, study.sides_swapped(voter, item.id), near, kept)
+
+
+def question_words(asked: str, item: Item) -> str:
+    """The study's own question, and for puzzles that of pieces where the study asks the usual one."""
+    return JOIN_QUESTION if item.kind == "puzzle" and asked == study.DEFAULT_QUESTION else asked
 
 
 def progress_text(progress: VotingProgress) -> str:
@@ -139,5 +159,5 @@ def empty_text(asked: Asked) -> str:
         more = f" (and {len(asked.missing) - 1} more)" if len(asked.missing) > 1 else ""
         return asked.missing[0] + more
     if asked.progress.total == 0:
-        return "This study has no matches yet. On the page Shapes, choose Study > Add these matches to the study."
+        return "This study has no matches yet. On the page Shapes or Puzzle, choose Study > Add these matches to the study."
     return "All done, thank you!"

@@ -1,16 +1,20 @@
-"""The voting page: one question, two shapes, three answers, a counter. Nothing says who proposed the match, or why."""
+"""The voting page: one question, two shapes or pieces, three answers, a counter. Nothing says who proposed them, or why."""
 
 import time
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QInputDialog, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QInputDialog, QLabel, QPushButton, QStackedLayout, QVBoxLayout, QWidget
 
 from ..palette import rgb, theme
 from ..session import Session, State
+from ..views.join import JoinView
 from ..views.mesh_pair import MeshPairView
 from .judging import Judging
 from .panels import ANSWER_WORDS, answer_style
-from .questions import Asked, Question, Shapes, ask_next, empty_text, keep, progress_text
+from .questions import Asked, JoinQuestion, Question, Shapes, ask_next, empty_text, keep, progress_text
+
+SHAPES_HINT = "Backspace takes back · C comments · R resets the view · T turns the shapes · ? help"
+JOIN_HINT = "Backspace takes back · C comments · N leaves it for the end · ? help"
 
 
 class StudyPage(QWidget):
@@ -21,7 +25,7 @@ class StudyPage(QWidget):
     def __init__(self, session: Session, judging: Judging, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.session, self.judging = session, judging
-        self.question: Question | None = None
+        self.question: Question | JoinQuestion | None = None
         self._kept: Shapes = {}
         self._skipped: list[str] = []
         self._guideline = ""
@@ -34,13 +38,17 @@ class StudyPage(QWidget):
         self.view = MeshPairView(self)
         self.view.setAcceptDrops(False)
         self.view.set_captions(False)  # a name can tell where a shape came from
+        self.join_view = JoinView(self)
+        self.stage = QStackedLayout()
+        self.stage.addWidget(self.view)
+        self.stage.addWidget(self.join_view)
         self.counter, self.saved = QLabel("", self), QLabel("", self)
         self.buttons: dict[str, QPushButton] = {}
         column = QVBoxLayout(self)
         column.setContentsMargins(16, 16, 16, 12)
         column.setSpacing(12)
         column.addWidget(self.words)
-        column.addWidget(self.view, 1)
+        column.addLayout(self.stage, 1)
         column.addLayout(self._answers())
         column.addLayout(self._small_print())
         session.changed.connect(self.apply)
@@ -66,7 +74,7 @@ class StudyPage(QWidget):
         self.who = QPushButton("", self, flat=True, toolTip="Who is voting; click to change")
         self.who.setObjectName("plain")
         self.who.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.hint = QLabel("Backspace takes back · C comments · R resets the view · T turns the shapes · ? help", self)
+        self.hint = QLabel(SHAPES_HINT, self)
         for label in (self.counter, self.hint, self.saved):
             label.setObjectName("soft")
         row.addWidget(self.who)
@@ -101,15 +109,25 @@ class StudyPage(QWidget):
         before, self.question = self.question, asked.question
         if before is None or before.item.id != asked.question.item.id:
             self._comment = ""
-        if before is None or not self.view.scenes_shown or before.shapes != self.question.shapes:
-            self.view.set_shapes(*self.question.shapes)
+        self._show(asked.question, before)
         self._since, self._given = time.monotonic(), asked.answer
         self._mark(self.session.state)
-        self.view.frame_match(*self.question.segments)
+        if isinstance(asked.question, Question):
+            self.view.frame_match(*asked.question.segments)
+
+    def _show(self, question: Question | JoinQuestion, before: Question | JoinQuestion | None) -> None:
+        """Bring the view to the front that shows such a question."""
+        joined = isinstance(question, JoinQuestion)
+        self.stage.setCurrentWidget(self.join_view if joined else self.view)
+        self.hint.setText(JOIN_HINT if joined else SHAPES_HINT)
+        if isinstance(question, JoinQuestion):
+            self.join_view.set_picture(question.picture)
+        elif not (isinstance(before, Question) and self.view.scenes_shown and before.shapes == question.shapes):
+            self.view.set_shapes(*question.shapes)
 
     def _mark(self, state: State) -> None:
         colours = theme(state.dark)
-        if self.question is not None:
+        if isinstance(self.question, Question):
             self.view.set_highlight(*self.question.segments, rgb(colours.accent))
         for answer, button in self.buttons.items():
             button.setEnabled(self.question is not None)
@@ -118,6 +136,7 @@ class StudyPage(QWidget):
     def _show_empty(self, text: str) -> None:
         self.question, self._given = None, ""
         self.words.setText("")
+        self.stage.setCurrentWidget(self.view)
         self.view.clear(text)
         self._mark(self.session.state)
 
@@ -127,7 +146,7 @@ class StudyPage(QWidget):
         if question is None or self.judging.saving:
             return
         shown = int((time.monotonic() - self._since) * 1000)
-        presentation = {"left": "target" if question.swapped else "source"}
+        presentation = {"left": "target" if question.swapped else "source"} if isinstance(question, Question) else {}
         self.judging.vote_on(question.item.id, answer, shown, presentation, self._ask, self._comment)
 
     def ask_comment(self) -> None:
@@ -161,6 +180,7 @@ class StudyPage(QWidget):
         """Follow the theme, the study and the volunteer."""
         if "dark" in names:
             self.view.set_theme(theme(state.dark))
+            self.join_view.set_theme(theme(state.dark))
             self._mark(state)
         if "volunteer" in names:
             self.who.setText(f"Volunteer {state.volunteer}")

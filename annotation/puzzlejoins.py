@@ -9,6 +9,7 @@ import numpy as np
 from engine.puzzles.identity import join_ids, join_views, piece_ids, puzzle_id, size_of, standing_ids, turned_offset
 from engine.puzzles.imagefile import png_bytes
 from engine.puzzles.pieces import Puzzle, Truth
+from engine.puzzles.scoring import TOLERANCE
 from engine.puzzles.solution import Joins, PuzzleSolution
 from engine.puzzles.turning import turned_raster
 
@@ -17,6 +18,8 @@ from .proposals import add_run, distinct
 from .records import Item, Proposal, Run
 
 LONGEST = 160  # pixels of a stored join along its longer side; larger ones are reduced by a whole number
+
+_NEAR = [(x, y) for x in (0, -1, 1) for y in (0, -1, 1) if x * x + y * y <= TOLERANCE**2]
 
 __all__ = [
     "LONGEST", "add_solution", "join_ids", "join_items", "piece_ids", "puzzle_id", "solution_items", "solution_run",
@@ -72,20 +75,24 @@ def join_items(puzzle: Puzzle, joins: Joins, turns: np.ndarray | None = None) ->
 
 
 def truth_answers(puzzle: Puzzle, truth: Truth, joins: Joins) -> tuple[bool, ...]:
-    """Whether each join (j,) looks like one of the true picture: where equal pieces are exchanged it is still right."""
-    ids = standing_ids(puzzle)
+    """Whether each join (j,) looks like one of the true picture.
+
+    Where equal pieces are exchanged it is still right, and polygons may be off by `engine.puzzles.scoring.TOLERANCE`.
+    """
+    ids, names = standing_ids(puzzle), join_ids(puzzle, joins)
     standing = [pieces[turn] for pieces, turn in zip(ids, truth.turns.tolist(), strict=True)]
     places = list(zip(truth.picture.tolist(), *truth.position.T.tolist(), strict=True))
     found, alike = dict(zip(places, standing, strict=True)), _places_of(standing, places)
     known: dict[str, bool] = {}
-    for row, join in enumerate(join_ids(puzzle, joins)):
+    for row, join in enumerate(names):
         if join not in known:
             known[join] = any(
-                found.get((picture, x + dx, y + dy)) == b
+                found.get((picture, x + dx + ex, y + dy + ey)) == b
                 for a, b, (dx, dy) in join_views(puzzle, joins, row)
                 for picture, x, y in alike.get(a, ())
+                for ex, ey in _NEAR
             )
-    return tuple(known[join] for join in join_ids(puzzle, joins))
+    return tuple(known[join] for join in names)
 
 
 def _places_of(standing: list[str], places: list[tuple[int, int, int]]) -> dict[str, list[tuple[int, int, int]]]:

@@ -109,7 +109,7 @@ def test_equal_pieces_may_be_exchanged():
 def test_a_pixel_beside_its_place_is_right_and_two_are_not():
     puzzle, truth = cut_up(seed=2, turned=True)
     exact = joins_of(truth, touching(truth)[:1] * 3)
-    moved = Joins(exact.sides, exact.offset + [[0, 0], [1, -1], [0, 2]], exact.turn, exact.confidence)
+    moved = Joins(exact.sides, np.add(exact.offset, [[0, 0], [1, -1], [0, 2]]), exact.turn, exact.confidence)
     assert truth_answers(puzzle, truth, moved) == (True, True, False)
 
 

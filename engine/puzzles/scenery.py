@@ -5,7 +5,13 @@ import numpy as np
 _ZENITH, _PALE, _WARM = (0.16, 0.32, 0.62), (0.62, 0.76, 0.90), (1.0, 0.80, 0.58)
 _SUN, _GLOW = (1.0, 0.97, 0.86), (0.55, 0.40, 0.21)
 _CLOUD_SHADE, _CLOUD_LIGHT = (0.52, 0.50, 0.60), (1.0, 0.95, 0.88)
-_ROCK, _MOSS, _FOREST, _SNOW, _HAZE = (0.46, 0.43, 0.45), (0.16, 0.30, 0.14), (0.15, 0.27, 0.14), (0.93, 0.95, 1.0), (0.80, 0.76, 0.73)
+_ROCK, _MOSS, _FOREST, _SNOW, _HAZE = (
+    (0.46, 0.43, 0.45),
+    (0.16, 0.30, 0.14),
+    (0.15, 0.27, 0.14),
+    (0.93, 0.95, 1.0),
+    (0.80, 0.76, 0.73),
+)
 _WATER, _GRASS, _STRAW = (0.10, 0.24, 0.34), (0.20, 0.34, 0.10), (0.50, 0.58, 0.18)
 _PETALS = np.array([(0.92, 0.22, 0.20), (0.98, 0.84, 0.22), (0.95, 0.95, 0.98), (0.62, 0.36, 0.80), (0.98, 0.55, 0.18)])
 
@@ -40,7 +46,9 @@ def noise(rng: np.random.Generator, shape: tuple[int, ...], power: float, stretc
     return (made - made.mean()) / made.std()
 
 
-def _mixed(a: np.ndarray | tuple[float, ...], b: np.ndarray | tuple[float, ...], share: np.ndarray | float) -> np.ndarray:
+def _mixed(
+    a: np.ndarray | tuple[float, ...], b: np.ndarray | tuple[float, ...], share: np.ndarray | float
+) -> np.ndarray:
     """Colours a and b (..., 3) mixed, `share` (...) of b."""
     start = np.asarray(a)
     return start + (np.asarray(b) - start) * np.asarray(share)[..., None]

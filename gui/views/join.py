@@ -96,11 +96,16 @@ def pulled_apart(picture: JoinPicture) -> JoinPicture:
     gap = max(1, round(_GAP * min(first.rgba.shape[:2] + second.rgba.shape[:2])))
     dx, dy = np.round(step / max(float(np.hypot(*step)), 1e-9) * gap).astype(int).tolist() if step.any() else (gap, 0)
     left, top = min(0, dx), min(0, dy)
-    moved = Placed(first.rgba, first.x - left, first.y - top), Placed(second.rgba, second.x + dx - left, second.y + dy - top)
+    moved = (
+        Placed(first.rgba, first.x - left, first.y - top),
+        Placed(second.rgba, second.x + dx - left, second.y + dy - top),
+    )
     return JoinPicture((picture.size[0] + abs(dx), picture.size[1] + abs(dy)), moved)
 
 
-def layout(together: tuple[int, int], apart: tuple[int, int], size: tuple[float, float], ratio: float) -> tuple[QRectF, QRectF]:
+def layout(
+    together: tuple[int, int], apart: tuple[int, int], size: tuple[float, float], ratio: float
+) -> tuple[QRectF, QRectF]:
     """Where the pieces are drawn together and apart in a view of `size` logical pixels.
 
     Each pixel becomes a whole number of the screen's, `ratio` of which make a logical one, where there is room for it.

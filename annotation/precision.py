@@ -1,7 +1,7 @@
 """Precision from majority votes: one row for each method, preset and set.
 
 A match counts as right or wrong by its majority; ties and matches without a decisive vote are unresolved: they are
-in no precision, and the bounds say what they could make of it. The unit of sampling is the pair of inputs.
+in no precision, and the bounds say what they could make of it. The unit of sampling is the pair of inputs, or the puzzle.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

@@ -79,9 +79,9 @@ def _notes(rows: Sequence[PrecisionRow], votes: Sequence[Ballot], mark: str) -> 
         notes.append("* The pairs of this row were matched with different parameters.")
     methods = sorted({row.interval.method for row in rows if row.interval})
     if methods:
-        notes.append(f"Intervals: {'; '.join(methods)}. The pair is the unit of sampling.")
+        notes.append(f"Intervals: {'; '.join(methods)}. The pair, or the puzzle, is the unit of sampling.")
         if any(row.interval and row.interval.method == ONE_CLUSTER for row in rows):
-            notes.append("The interval of a single pair speaks of its own matches only, not of other pairs.")
+            notes.append("The interval of a single pair or puzzle speaks of its own matches only, not of others.")
         notes.append(
             "Precision is correct / (correct + wrong) by majority; a tie stays a tie and counts in the bounds."
         )

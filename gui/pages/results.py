@@ -32,9 +32,10 @@ from .judging import Judging
 
 HEADS = ("method", "preset", "set", "pairs", "judged", "✓", "✗", "tie", "precision", "95 % interval", "volunteers")
 _TIPS = {
+    "preset": "The preset of shapes, the measure of puzzles", "pairs": "Pairs of shapes, or puzzles",
     "judged": "Matches with a vote for or against, of all matches", "✓": "Correct by majority", "✗": "Wrong by majority",
     "tie": "As many for as against; a tie stays a tie", "precision": "Correct of those decided",
-    "95 % interval": "The pair is the unit of sampling; the paler line takes all undecided ones as wrong or right",
+    "95 % interval": "The pair, or the puzzle, is the unit of sampling; the paler line takes all undecided ones as wrong or right",
 }  # fmt: skip
 _ROW = Qt.ItemDataRole.UserRole
 

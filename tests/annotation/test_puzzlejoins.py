@@ -83,6 +83,20 @@ def test_pieces_that_look_the_same_are_asked_about_once():
     assert len(set(join_ids(puzzle, joins_of(truth, touching(truth))))) == 1
 
 
+def test_however_often_the_picture_is_cut_no_vote_falls_on_another_join():
+    rng, said = np.random.default_rng(0), {}
+    for seed in range(25):
+        puzzle, truth = cut_up(seed=seed, turned=bool(seed % 2))
+        sides = rng.integers(0, 4, (60, 4))
+        sides[:, 0], sides[:, 2] = np.transpose([rng.choice(12, 2, replace=False) for _ in range(60)])
+        steps = np.array([[0, -PX], [PX, 0], [0, PX], [-PX, 0]])[sides[:, 1]]
+        guessed = Joins(sides, steps, (sides[:, 1] + 2 - sides[:, 3]) % 4, np.full(60, 0.5))
+        for joins in (guessed, joins_of(truth, touching(truth))):
+            for item, right in zip(join_ids(puzzle, joins), truth_answers(puzzle, truth, joins), strict=True):
+                assert said.setdefault(item, right) == right
+    assert sum(said.values()) == 17
+
+
 # --- truth
 
 

@@ -1,0 +1,163 @@
+"""From blocks to whole pictures: main blocks, what is attached to them, cells filled, loose pieces swapped."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .blocks import Blocks, Rules, turn_cell
+from .candidates import Candidates
+from .evidence import Evidence
+from .filling import EMPTY, best_place, cell_score, fill_cells, merge_by_contacts, polish, total_worth
+from .solution import UNPLACED
+
+SURE, HOPEFUL = 2.0, -1.0  # log odds: what merges two blocks, and what makes a placement worth a look
+LOOSE, MOST_LOOSE = 1.5, 600  # mean log odds a contact below which a piece may be swapped, and how many may
+BARELY = -3.0  # mean log odds a contact below which no piece is added where the frame is not known
+
+
+class Layout(NamedTuple):
+    """`picture` (n,) int64 (`UNPLACED` for none), `x`, `y` cells and `turns` (n,) int64, and the judge's sum."""
+
+    picture: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    turns: np.ndarray
+    worth: float
+
+
+def complete(
+    blocks: Blocks, candidates: Candidates, e: Evidence, rules: Rules, *,
+    groups: np.ndarray, pictures: int, turned: bool, missing: bool,
+) -> Layout:  # fmt: skip
+    """Complete the `pictures` largest blocks.
+
+    Blocks are merged where their contacts say so; then where anything speaks for it. What is left goes into empty cells
+    one piece at a time: wherever it does least harm if the frame is known, only where it fits if it is not. In the end
+    loosely held pieces are swapped while the sum of all log odds grows. `groups` (n,) int64 names pieces that people
+    have locked together, -1 for all others; a group is placed as it is or not at all.
+    """
+    blocks = merge_by_contacts(blocks, candidates, e, rules, least=SURE, hopeful=HOPEFUL)
+    if pictures == 1:
+        rules = with_guessed_frame(blocks, rules, turned, missing)
+    mains = main_blocks(blocks, pictures, rules.anchored)
+    rules = Rules(rules.frame, rules.either_way, rules.forbidden, rules.anchored, apart=mains)
+    if rules.frame is not None:
+        blocks = merge_by_contacts(blocks, candidates, e, rules, least=-60.0, hopeful=-4.0)
+    layouts = [_completed(blocks, name, k, e, rules, turned) for k, name in enumerate(mains)]
+    return _together(layouts, blocks, e, rules, turned, groups)
+
+
+def main_blocks(blocks: Blocks, pictures: int, anchored: np.ndarray) -> np.ndarray:
+    """The names of the largest blocks, largest first; a block that people pinned counts as the first."""
+    names, counts = np.unique(blocks.block, return_counts=True)
+    first = np.isin(names, blocks.block[anchored])
+    return names[np.lexsort((names, -counts, ~first))][:pictures]
+
+
+def with_guessed_frame(blocks: Blocks, rules: Rules, turned: bool, missing: bool) -> Rules:
+    """Where no frame is known and no piece is missing: the size that n pieces make and the largest block fits best."""
+    if rules.frame is not None or missing or len(rules.anchored):
+        return rules
+    n = len(blocks.block)
+    on = blocks.block == main_blocks(blocks, 1, rules.anchored)[0]
+    w, h = (int(np.ptp(c[on])) + 1 for c in (blocks.x, blocks.y))
+    sizes = [(a, n // a) for a in range(1, n + 1) if n % a == 0 and a >= w and n // a >= h]
+    if not sizes or on.sum() < 0.5 * n:
+        return rules
+    frame = min(sizes, key=lambda size: size[0] - w + size[1] - h)
+    return Rules(frame, False, rules.forbidden, rules.anchored)
+
+
+def _completed(blocks: Blocks, name: int, k: int, e: Evidence, rules: Rules, turned: bool):  # type: ignore[no-untyped-def]
+    """A grid with room around for one main block: (grid, origin x, origin y, width, height)."""
+    on = np.flatnonzero(blocks.block == name)
+    x, y = blocks.x[on], blocks.y[on]
+    anchored = rules.frame is not None and len(rules.anchored) > 0 and name == blocks.block[rules.anchored[0]]
+    w, h = int(np.ptp(x)) + 1, int(np.ptp(y)) + 1
+    if rules.frame is None:
+        width = height = 0
+        room_x = room_y = min(30, len(blocks.block))
+    else:
+        width, height = rules.frame
+        if rules.either_way and (w > width or h > height or ((w > h) != (width > height) and h <= width and w <= height)):
+            width, height = height, width
+        room_x, room_y = width - w, height - h
+    x0, y0 = (0, 0) if anchored else (int(x.min()) - room_x, int(y.min()) - room_y)
+    shape = (height, width) if anchored else (h + 2 * room_y, w + 2 * room_x)
+    grid = np.full(shape, EMPTY, dtype=np.int64)
+    grid[y - y0, x - x0] = on
+    return grid, x0, y0, width, height, anchored
+
+
+def _together(layouts, blocks: Blocks, e: Evidence, rules: Rules, turned: bool, groups: np.ndarray) -> Layout:  # type: ignore[no-untyped-def]
+    """Fill all grids with what is left, best first, and read the layout off them."""
+    n = len(blocks.block)
+    turns = np.array(blocks.turns)
+    held = np.isin(blocks.block, [blocks.block[grid[grid != EMPTY][0]] for grid, *_ in layouts])
+    left = np.flatnonzero(~held & (groups < 0))
+    waiting = [np.flatnonzero(groups == g) for g in np.unique(groups[~held & (groups >= 0)])]
+    picture, cx, cy = np.full(n, UNPLACED), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
+    least = -1e9 if rules.frame is not None and len(layouts) == 1 else BARELY
+    worth = 0.0
+    for k, (grid, x0, y0, width, height, anchored) in enumerate(layouts):
+        limits = (0, 0) if anchored else (width, height)
+        waiting = [group for group in waiting if not _place_group(group, blocks, grid, turns, limits, turned, e)]
+        placed = fill_cells(grid, turns, left, np.ones(grid.shape, dtype=bool), *limits, turned, least, e)
+        loose = _loose_cells(grid, np.concatenate([left[placed], _doubtful(grid, turns, e)]), rules, groups)
+        polish(grid, turns, loose, turned, 20, e)
+        left = left[~placed]
+        rows, columns = np.nonzero(grid != EMPTY)
+        pieces = grid[rows, columns]
+        picture[pieces], cx[pieces], cy[pieces] = k, columns, rows
+        if anchored:
+            cx[pieces] += x0
+            cy[pieces] += y0
+        elif len(pieces):
+            cx[pieces] -= columns.min()
+            cy[pieces] -= rows.min()
+        worth += total_worth(grid, turns, e)
+    return Layout(picture, cx, cy, turns, worth)
+
+
+def _doubtful(grid: np.ndarray, turns: np.ndarray, e: Evidence) -> np.ndarray:
+    """Placed pieces whose contacts say little for them."""
+    rows, columns = np.nonzero(grid != EMPTY)
+    found = []
+    for r, c in zip(rows.tolist(), columns.tolist(), strict=True):
+        total, contacts = cell_score(grid, turns, r, c, grid[r, c], turns[grid[r, c]], e)
+        if contacts and total / contacts < LOOSE:
+            found.append((total / contacts, int(grid[r, c])))
+    return np.array([piece for _, piece in sorted(found)[:MOST_LOOSE]], dtype=np.int64)
+
+
+def _place_group(group, blocks: Blocks, grid, turns, limits, turned, e) -> bool:  # type: ignore[no-untyped-def]
+    """Put a locked group where its contacts are best; False where there is no room for it."""
+    best, row, column, k = best_place(
+        grid, turns, group, blocks.x[group], blocks.y[group], blocks.turns[group], *limits, turned, e)  # fmt: skip
+    if best == -np.inf:
+        return False
+    for piece in group:
+        x, y = turn_cell(blocks.x[piece], blocks.y[piece], k)
+        grid[row + y, column + x] = piece
+        turns[piece] = (blocks.turns[piece] + k) % 4
+    return True
+
+
+def _loose_cells(grid: np.ndarray, pieces: np.ndarray, rules: Rules, groups: np.ndarray) -> np.ndarray:
+    pieces = np.setdiff1d(pieces[groups[pieces] < 0], rules.anchored)[:MOST_LOOSE]
+    return np.argwhere(np.isin(grid, pieces) & (grid != EMPTY))
+
+
+def normalised(layout: Layout, pin: tuple[int, int, int, int] | None) -> Layout:
+    """The layout turned and moved so that a pinned piece (piece, x, y, turns) is where it should be."""
+    if pin is None:
+        return layout
+    piece, x, y, turn = pin
+    k = int(turn - layout.turns[piece]) % 4
+    on = layout.picture == layout.picture[piece]
+    cells = [turn_cell(a, b, k) for a, b in zip(layout.x, layout.y, strict=True)]
+    cx, cy = np.array(cells).T
+    dx, dy = x - cx[piece], y - cy[piece]
+    return Layout(
+        layout.picture, np.where(on, cx + dx, layout.x), np.where(on, cy + dy, layout.y),
+        np.where(on, (layout.turns + k) % 4, layout.turns), layout.worth)  # fmt: skip

@@ -1,0 +1,69 @@
+"""The calibrated probability of a join: small networks fitted to pictures with known truth.
+
+`learned.json` is written by `tests/benchmarks/puzzle_training.py`, which also prints how well the fit does on pictures
+that it was not fitted to. A network is a list of layers with rectified linear units between, after its inputs were
+brought to mean 0 and deviation 1, and a logistic function at the end.
+"""
+
+import json
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..progress import Progress, share
+from .candidates import Candidates, border_features, context_features, exclusive, gallagher_ratio
+from .measures import Strips, dissimilarity_of_pairs
+
+FILE = Path(__file__).with_name("learned.json")
+MOST = 6  # candidates of a side that loops are sought among
+
+
+@lru_cache(maxsize=1)
+def weights() -> dict[str, Any]:
+    """The fitted numbers, with arrays for lists."""
+    return json.loads(FILE.read_text(encoding="utf-8"), object_hook=_arrays)
+
+
+def _arrays(entry: dict[str, Any]) -> dict[str, Any]:
+    return {
+        k: np.array(v, dtype=np.float32) if k in ("mean", "scale", "weights", "bias") else v for k, v in entry.items()
+    }
+
+
+def network(net: dict[str, Any], inputs: np.ndarray) -> np.ndarray:
+    """The output (c,) float64 in (0, 1) of a network for inputs (c, f)."""
+    values = (inputs - net["mean"]) / net["scale"]
+    for layer in net["layers"][:-1]:
+        values = np.maximum(values @ layer["weights"] + layer["bias"], 0)
+    last = net["layers"][-1]
+    return 1 / (1 + np.exp(-(values @ last["weights"] + last["bias"])[:, 0].astype(np.float64)))
+
+
+def learned_probability(
+    candidates: Candidates, strips: Strips, *, turned: bool, worn: bool, progress: Progress
+) -> tuple[np.ndarray, np.ndarray]:
+    """The probability of each candidate by its borders alone and after its neighbourhood was heard, both (c,) float64.
+
+    First a network on the border features, then networks that also see the rivals and the 2 × 2 loops through the
+    candidate, with the probabilities of the round before. No side's probabilities sum to more than 1.
+    """
+    nets = weights()["worn" if worn else "clean"]
+    borders = border_features(candidates, strips, share(progress, 0.0, 0.7))
+    way = np.full((candidates.count, 1), float(turned), dtype=np.float32)
+    borders = np.concatenate([borders, way], axis=1)
+    first = probability = exclusive(network(nets["border"], borders), candidates)
+    for number, net in enumerate(nets["context"]):
+        progress(0.7 + 0.3 * number / len(nets["context"]), "looking for loops")
+        inputs = np.concatenate([context_features(probability, candidates, MOST), borders], axis=1)
+        probability = exclusive(network(net, inputs), candidates)
+    return first, probability
+
+
+def single_probability(measure: str, candidates: Candidates, strips: Strips) -> tuple[np.ndarray, np.ndarray]:
+    """D and the calibrated probability (c,) by one measure alone: logistic in the logarithm of Gallagher's ratio N."""
+    values = dissimilarity_of_pairs(measure, strips, candidates.pairs, parts=2)
+    constant, slope = weights()["single"][measure]
+    ratio = np.log(gallagher_ratio(values, candidates))
+    return values, exclusive(1 / (1 + np.exp(-(constant + slope * ratio).clip(-30, 30))), candidates)

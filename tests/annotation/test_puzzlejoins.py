@@ -239,6 +239,22 @@ def test_merging_takes_joins_along(voted, tmp_path):
         assert {i.id: i for i in study.items(handle, "anna")} == {i.id: i for i in study.items(voted, "anna")}
 
 
+def test_two_studies_that_show_a_join_from_different_sides_merge_alike(tmp_path):
+    shown = []
+    for order in ((0, 5), (5, 0)):
+        paths = [tmp_path / f"{order[0]}-{seed}.db" for seed in order]
+        for path, seed in zip(paths, order, strict=True):
+            puzzle, truth = cut_up(seed=seed, turned=seed > 0)
+            joins = joins_of(truth, touching(truth))
+            with study.create_study(path, name="Joins", seed="same") as handle:
+                study.add_items(handle, join_items(puzzle, joins))  # as the pieces were read, some upside down
+        merge(paths[0], paths[1], other_study=True)
+        with study.open_study(paths[0]) as handle:
+            shown.append(study.items(handle, "anna"))
+    assert shown[0] == shown[1]
+    assert len(shown[0]) == 17
+
+
 def test_the_same_solution_is_the_same_run_and_people_s_wishes_make_another(voted):
     puzzle, truth = cut_up()
     joins = joins_of(truth, touching(truth))

@@ -40,8 +40,8 @@ def add_solution(
 def solution_run(puzzle: Puzzle, solution: PuzzleSolution, set_name: str = "", *, guided: bool = False) -> Run:
     """The run that a solution stands for: its joins as proposals, the surest first, scored by their confidence.
 
-    The measure stands where shapes have their preset, so that a table has a row for each method and measure. A join
-    confirmed by a person makes a run guided.
+    The method is the one that was asked for ("auto" stays so, whatever it chose), and the measure stands where shapes
+    have their preset, so that a table has a row for each. A join confirmed by a person makes a run guided.
     """
     joins, items = solution.joins, solution_items(puzzle, solution)
     surest = np.argsort(-joins.confidence, kind="stable").tolist()
@@ -50,7 +50,7 @@ def solution_run(puzzle: Puzzle, solution: PuzzleSolution, set_name: str = "", *
     )
     told = guided or "person" in joins.confirmed_by
     return Run(
-        "puzzle", solution.method + (" (guided)" if told else ""), solution.measure, solution.parameters.model_dump(),
+        "puzzle", solution.parameters.method + (" (guided)" if told else ""), solution.measure, solution.parameters.model_dump(),
         set_name, {"file": puzzle.name, "sha256": puzzle_id(puzzle), "pieces": puzzle.count}, {}, solution.seconds,
         distinct(proposals),
     )  # fmt: skip

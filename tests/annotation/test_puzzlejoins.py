@@ -152,7 +152,7 @@ def test_a_join_is_shown_as_it_lies_in_the_assembled_picture(turned):
 def test_a_payload_tells_nothing_but_what_the_pieces_look_like():
     puzzle, truth = cut_up()
     one, same = solution_items(puzzle, solved(puzzle, truth)), solution_items(
-        puzzle, solved(puzzle, truth, joins_of(truth, touching(truth), confidence=[0.1] * 17), method="greedy",
+        puzzle, solved(puzzle, truth, joins_of(truth, touching(truth), confidence=[0.1] * 17), asked="greedy",
                        measure="ssd"))  # fmt: skip
     assert one == same
     for item in one:
@@ -213,7 +213,7 @@ def test_both_kinds_have_their_rows_in_one_table(voted):
 
 def test_a_vote_serves_every_method_and_every_cut(voted):
     again, truth = cut_up(seed=8, turned=True)
-    add_solution(voted, again, solved(again, truth, method="greedy"))
+    add_solution(voted, again, solved(again, truth, asked="greedy"))
     assert len(study.items(voted, "anna")) == 17 + 3
     row = next(row for row in precision_table(voted) if row.method == "greedy")
     assert (row.matches, row.correct) == (17, 17)
@@ -273,9 +273,16 @@ def test_a_run_keeps_what_it_was_made_with_apart_from_its_items(voted):
         scores = connection.exec_driver_sql(
             "SELECT score FROM run_match JOIN run ON run.id = run_id WHERE kind = 'puzzle' ORDER BY rank").scalars().all()  # fmt: skip
     assert (method, preset) == ("loops", "mgc")
-    assert json.loads(parameters)["method"] == "auto"
+    assert json.loads(parameters)["method"] == "loops"
     assert json.loads(source)["pieces"] == 12
     assert scores == [0.9] * 17
+
+
+def test_the_choice_among_methods_is_a_row_of_its_own(voted):
+    puzzle, truth = cut_up()
+    add_solution(voted, puzzle, solved(puzzle, truth, asked="auto"))
+    add_solution(voted, puzzle, solved(puzzle, truth, asked="mst"))
+    assert [row.method for row in precision_table(voted)] == ["auto", "loops", "mst", "top-down"]
 
 
 def test_votes_are_exported_without_pictures(voted):

@@ -46,6 +46,7 @@ def solved(
     values = {
         "puzzle": puzzle.name, "picture": truth.picture, "position": truth.position, "turns": truth.turns,
         "sizes": truth.sizes, "joins": joins if joins is not None else joins_of(truth, touching(truth)),
-        "method": "mst" if asked == "auto" else asked, "measure": "mgc", "parameters": PuzzleParameters(method=asked), "seconds": {"assembly": 0.5},
+        "method": "mst" if asked == "auto" else asked, "measure": "mgc", "parameters": PuzzleParameters(method=asked),
+        "seconds": {"assembly": 0.5},
     }  # fmt: skip
     return PuzzleSolution(**(values | changes))

@@ -12,7 +12,10 @@ if TYPE_CHECKING:
 
 
 class Action(NamedTuple):
-    """One command: the menu it stands in, its text, keys, icon and what it does with the window."""
+    """One command: the menu it stands in, its text, keys, icon, what it does with the window, and on which pages.
+
+    Two commands may have the same key if they belong to different pages; without `pages` it belongs to all.
+    """
 
     id: str
     menu: str
@@ -21,35 +24,49 @@ class Action(NamedTuple):
     icon: str
     handler: Callable[["MainWindow"], object]
     checkable: bool = False
+    pages: tuple[str, ...] = ()
 
 
-MENUS = ("&File", "&Edit", "&View", "&Judge", "&Study", "&Help")
-SEPARATOR_BEFORE = {"export-figure", "quit", "next-match", "next-layer", "link-cameras", "dark", "undo-vote"}
+PUZZLE, OTHERS = ("puzzle",), ("shapes", "study", "results")
+MENUS = ("&File", "&Edit", "&View", "&Judge", "&Puzzle", "&Study", "&Help")
+SEPARATOR_BEFORE = {"open-picture", "export-figure", "export-picture", "quit", "next-match", "next-layer", "link-cameras", "dark",
+                    "undo-vote", "next-join", "truth"}  # fmt: skip
 TABLE = (
     Action("open", "&File", "&Open two meshes…", ("Ctrl+O",), "mdi6.folder-open-outline", lambda w: w.files.open()),
     Action("source-labels", "&File", "&Labels of the source…", (), "", lambda w: w.files.labels(0)),
     Action("target-labels", "&File", "Labels of the &target…", (), "", lambda w: w.files.labels(1)),
-    Action("export-figure", "&File", "Export &figure…", ("Ctrl+E",), "mdi6.image-outline", lambda w: w.files.export_figure()),
-    Action("export-result", "&File", "Export &matches…", ("Ctrl+Shift+E",), "mdi6.export", lambda w: w.files.export_result()),
+    Action("open-picture", "&File", "Open a picture as a &puzzle…", ("Ctrl+P",), "mdi6.image-plus-outline",
+           lambda w: w.puzzle.files.open_picture()),
+    Action("open-pieces", "&File", "Open a folder of p&ieces…", ("Ctrl+Shift+P",), "mdi6.folder-image",
+           lambda w: w.puzzle.files.open_folder()),
+    Action("export-figure", "&File", "Export &figure…", ("Ctrl+E",), "mdi6.image-outline",
+           lambda w: w.files.export_figure(), pages=OTHERS),
+    Action("export-result", "&File", "Export &matches…", ("Ctrl+Shift+E",), "mdi6.export",
+           lambda w: w.files.export_result(), pages=OTHERS),
+    Action("export-picture", "&File", "Export the assembled pi&cture…", ("Ctrl+E",), "mdi6.image-outline",
+           lambda w: w.puzzle.files.export_picture(), pages=PUZZLE),
+    Action("export-solution", "&File", "Export positions and &joins…", ("Ctrl+Shift+E",), "mdi6.export",
+           lambda w: w.puzzle.files.export_solution(), pages=PUZZLE),
     Action("quit", "&File", "&Quit", ("Ctrl+Q",), "", lambda w: w.close()),
-    Action("undo", "&Edit", "&Undo", ("Ctrl+Z",), "mdi6.undo", lambda w: w.session.undo()),
-    Action("redo", "&Edit", "&Redo", ("Ctrl+Shift+Z", "Ctrl+Y"), "mdi6.redo", lambda w: w.session.redo()),
-    Action("match-again", "&Edit", "&Match again", ("F5",), "", lambda w: w.match_again()),
+    Action("undo", "&Edit", "&Undo", ("Ctrl+Z",), "mdi6.undo", lambda w: w.undo()),
+    Action("redo", "&Edit", "&Redo", ("Ctrl+Shift+Z", "Ctrl+Y"), "mdi6.redo", lambda w: w.undo(1)),
+    Action("match-again", "&Edit", "&Match again", ("F5",), "", lambda w: w.match_again(), pages=OTHERS),
     Action("stop", "&Edit", "&Stop the running work", ("Esc",), "mdi6.stop", lambda w: w.stop()),
     Action("page-shapes", "&View", "&Shapes", ("Ctrl+1",), "mdi6.vector-link", lambda w: w.show_page("shapes")),
-    Action("page-study", "&View", "S&tudy (voting screen)", ("Ctrl+2",), "mdi6.vote-outline", lambda w: w.show_page("study")),
-    Action("page-results", "&View", "&Results", ("Ctrl+3",), "mdi6.table", lambda w: w.show_page("results")),
-    Action("next-match", "&View", "&Next match", ("N",), "", lambda w: w.step_match(1)),
-    Action("previous-match", "&View", "&Previous match", ("P",), "", lambda w: w.step_match(-1)),
-    Action("next-layer", "&View", "Layer &above", ("PgUp",), "", lambda w: w.shapes.step_layer(1)),
-    Action("previous-layer", "&View", "Layer &below", ("PgDown",), "", lambda w: w.shapes.step_layer(-1)),
-    Action("next-node", "&View", "Next node of the layer", ("]",), "", lambda w: w.shapes.step_node(1)),
-    Action("previous-node", "&View", "Previous node of the layer", ("[",), "", lambda w: w.shapes.step_node(-1)),
-    Action("link-cameras", "&View", "&Link cameras", ("L",), "", lambda w: w.toggle_linked()),
+    Action("page-puzzle", "&View", "&Puzzle", ("Ctrl+2",), "mdi6.puzzle-outline", lambda w: w.show_page("puzzle")),
+    Action("page-study", "&View", "S&tudy (voting screen)", ("Ctrl+3",), "mdi6.vote-outline", lambda w: w.show_page("study")),
+    Action("page-results", "&View", "&Results", ("Ctrl+4",), "mdi6.table", lambda w: w.show_page("results")),
+    Action("next-match", "&View", "&Next match", ("N",), "", lambda w: w.step_match(1), pages=OTHERS),
+    Action("previous-match", "&View", "&Previous match", ("P",), "", lambda w: w.step_match(-1), pages=OTHERS),
+    Action("next-layer", "&View", "Layer &above", ("PgUp",), "", lambda w: w.shapes.step_layer(1), pages=OTHERS),
+    Action("previous-layer", "&View", "Layer &below", ("PgDown",), "", lambda w: w.shapes.step_layer(-1), pages=OTHERS),
+    Action("next-node", "&View", "Next node of the layer", ("]",), "", lambda w: w.shapes.step_node(1), pages=OTHERS),
+    Action("previous-node", "&View", "Previous node of the layer", ("[",), "", lambda w: w.shapes.step_node(-1), pages=OTHERS),
+    Action("link-cameras", "&View", "&Link cameras", ("L",), "", lambda w: w.toggle_linked(), pages=OTHERS),
     Action("reset-view", "&View", "R&eset the view", ("R",), "", lambda w: w.reset_view()),
-    Action("turntable", "&View", "&Turn the shapes slowly", ("T",), "", lambda w: w.turn(), True),
-    Action("inspect-source", "&View", "&Inspect the source by itself", ("Ctrl+I",), "", lambda w: w.inspect(0)),
-    Action("inspect-target", "&View", "Inspect the target by itself", ("Ctrl+Shift+I",), "", lambda w: w.inspect(1)),
+    Action("turntable", "&View", "&Turn the shapes slowly", ("T",), "", lambda w: w.turn(), True, OTHERS),
+    Action("inspect-source", "&View", "&Inspect the source by itself", ("Ctrl+I",), "", lambda w: w.inspect(0), pages=OTHERS),
+    Action("inspect-target", "&View", "Inspect the target by itself", ("Ctrl+Shift+I",), "", lambda w: w.inspect(1), pages=OTHERS),
     Action("panel", "&View", "Ri&ght panel", ("F9",), "", lambda w: w.toggle_panel()),
     Action("alone", "&View", "Page &alone (no menus)", ("F11",), "", lambda w: w.toggle_alone()),
     Action("dark", "&View", "&Dark", ("Ctrl+D",), "", lambda w: w.toggle_dark()),
@@ -58,10 +75,19 @@ TABLE = (
     Action("unsure", "&Judge", "&Unsure", ("Space",), "", lambda w: w.answer("unsure")),
     Action("comment", "&Judge", "Co&mment on the question…", ("C",), "", lambda w: w.comment()),
     Action("undo-vote", "&Judge", "&Take back the last vote", ("Backspace",), "", lambda w: w.undo_vote()),
+    Action("solve", "&Puzzle", "&Solve, or solve again", ("F5",), "mdi6.puzzle-check-outline", lambda w: w.puzzle.solve(), pages=PUZZLE),
+    Action("next-join", "&Puzzle", "&Next most doubtful join", ("N",), "", lambda w: w.puzzle.page.step_join(1), pages=PUZZLE),
+    Action("previous-join", "&Puzzle", "Join &before", ("P",), "", lambda w: w.puzzle.page.step_join(-1), pages=PUZZLE),
+    Action("lock", "&Puzzle", "&Lock the join or piece", ("L",), "mdi6.lock-outline", lambda w: w.puzzle.hands.lock(), pages=PUZZLE),
+    Action("reject", "&Puzzle", "Re&ject the join or piece", ("X",), "mdi6.close", lambda w: w.puzzle.hands.reject(), pages=PUZZLE),
+    Action("turn-piece", "&Puzzle", "Turn the piece by a &quarter", (".",), "mdi6.rotate-right", lambda w: w.puzzle.hands.turn(),
+           pages=PUZZLE),
+    Action("clear-wishes", "&Puzzle", "&Forget locks, rejections and pins", (), "", lambda w: w.puzzle.hands.clear(), pages=PUZZLE),
+    Action("truth", "&Puzzle", "Compare with the &truth", ("T",), "", lambda w: w.puzzle.page.toggle_truth(), pages=PUZZLE),
     Action("new-study", "&Study", "&New study…", ("Ctrl+N",), "", lambda w: w.files.new_study()),
     Action("open-study", "&Study", "&Open study…", ("Ctrl+Shift+O",), "", lambda w: w.files.open_study()),
     Action("own-study", "&Study", "My own &votes", (), "", lambda w: w.judging.open()),
-    Action("enrol", "&Study", "&Add these matches to the study", (), "", lambda w: w.judging.enrol()),
+    Action("enrol", "&Study", "&Add these matches to the study", (), "", lambda w: w.enrol()),
     Action("volunteer", "&Study", "&Who is voting…", (), "", lambda w: w.files.name_volunteer()),
     Action("keys", "&Help", "&Keys", ("F1", "?"), "", lambda w: w.show_keys()),
     Action("about", "&Help", "&About Concord", (), "", lambda w: w.show_about()),
@@ -79,6 +105,13 @@ def make_actions(window: "MainWindow") -> dict[str, QAction]:
         window.addAction(action)
         made[row.id] = action
     return made
+
+
+def enable_for(actions: dict[str, QAction], page: str) -> None:
+    """Enable what belongs to a page, so that its keys mean what they mean there."""
+    for row in TABLE:
+        if row.pages:
+            actions[row.id].setEnabled(page in row.pages)
 
 
 def add_icons(actions: dict[str, QAction], colour: str) -> None:
@@ -132,7 +165,9 @@ def keys_table() -> str:
                 text = row.text.replace("&", "").rstrip("…")
                 rows.append(f"<tr><td style='padding-right:24px'>{text}</td><td>{' or '.join(row.keys)}</td></tr>")
     mouse = (("Drag", "turn a shape"), ("Shift or right drag", "move it"), ("Wheel, two fingers", "zoom"),
-             ("Double click", "usual view"), ("Click", "select a match or a segment's smallest match"))  # fmt: skip
+             ("Double click", "usual view"), ("Click", "select a match or a segment's smallest match"),
+             ("Drag a piece of a puzzle", "put it elsewhere; it snaps to its neighbours and stays"),
+             ("Click between two pieces", "see their join from close by"))  # fmt: skip
     rows.append("<tr><td colspan=2 style='padding-top:8px'><b>Mouse</b></td></tr>")
     rows += [f"<tr><td style='padding-right:24px'>{what[0].upper()}{what[1:]}</td><td>{how}</td></tr>" for how, what in mouse]
     return "<table>" + "".join(rows) + "</table>"

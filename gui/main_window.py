@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QEvent, Qt, QTimer
-from PySide6.QtGui import QActionGroup, QCloseEvent, QDragEnterEvent, QDropEvent
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import (
     QAbstractButton,
     QApplication,
@@ -19,8 +19,8 @@ from PySide6.QtWidgets import (
 
 from engine.errors import ConcordError
 
-from . import actions
-from .folders import recent_pairs, remember_pair, settings
+from . import actions, menus
+from .folders import remember_pair, settings
 from .jobs import Jobs, show_unexpected
 from .pages.help import show_about, show_keys
 from .pages.messages import MessageBar
@@ -30,7 +30,7 @@ from .pages.style import window_style
 from .palette import apply_theme, system_is_dark, theme
 
 if TYPE_CHECKING:
-    from .session import State
+    from .session import Session, State
 
 _SHOWN_DARK = "concord-shown-dark"
 
@@ -85,6 +85,7 @@ class MainWindow(QMainWindow):
         from .pages.files import Files
         from .pages.judging import Judging
         from .pages.matching import Matching
+        from .pages.puzzle_desk import PuzzleDesk
         from .pages.results import ResultsPage
         from .pages.shapes import ShapesPage
         from .pages.study import StudyPage
@@ -97,14 +98,15 @@ class MainWindow(QMainWindow):
         self.shapes = ShapesPage(self.session, self.matching, self.judging, self)
         self.study = StudyPage(self.session, self.judging, self)
         self.results = ResultsPage(self.session, self.judging, self)
-        self.pages = {"shapes": self.shapes, "study": self.study, "results": self.results}
+        self.puzzle = PuzzleDesk(self)
+        self.pages = {"shapes": self.shapes, "puzzle": self.puzzle.page, "study": self.study, "results": self.results}
         self.files = Files(self)
         self.study.who.clicked.connect(self.files.name_volunteer)
         for page in self.pages.values():
             self.stack.addWidget(page)
             page.failed.connect(self.say)
         self._connect()
-        self._fill_menus()
+        menus.furnish_menus(self)
         self.furnished = True
         self._add_icons()
         self.show_page("shapes")
@@ -118,42 +120,10 @@ class MainWindow(QMainWindow):
         self.matching.opened.connect(remember_pair)
         self.jobs.started.connect(lambda _: self._show_waiting())
         self.jobs.idle.connect(self._show_waiting)
-        self.matching.took.connect(lambda seconds: self.status.seconds.setText(seconds_text(seconds)))
+        self.matching.took.connect(self._show_seconds)
         self.status.follow(self.jobs)
         self.status.stopped.connect(self.stop)
         QApplication.instance().styleHints().colorSchemeChanged.connect(self._system_theme)
-
-    def _fill_menus(self) -> None:
-        from engine.shapes.parameters import PRESETS
-
-        self.actions_by_id = actions.make_actions(self)
-        menus = actions.fill_menus(self, self.actions_by_id)
-        before = self.actions_by_id["source-labels"]
-        self.recent_menu, self.example_menu = actions.submenu(menus["&File"], "Open &recent", before), actions.submenu(
-            menus["&File"], "Open an e&xample", before)  # fmt: skip
-        self.recent_menu.aboutToShow.connect(self._fill_recent)
-        self._fill_examples()
-        self.preset_group = QActionGroup(self)
-        self.preset_menu = menus["&Edit"].addMenu("&Preset")
-        actions.add_choices(self.preset_menu, list(PRESETS), self.matching.choose_preset, self.preset_group)
-        self.status.preset.setMenu(self.preset_menu)
-        self.status.preset.show()
-
-    def _fill_examples(self) -> None:
-        from assets import example_pairs
-
-        for name, _source, _target in example_pairs():
-            self.example_menu.addAction(name).triggered.connect(lambda _=False, name=name: self.open_example(name))
-
-    def _fill_recent(self) -> None:
-        self.recent_menu.clear()
-        for source, target in recent_pairs():
-            names = " – ".join(path.rpartition("/")[2] for path in (source, target))
-            action = self.recent_menu.addAction(names)
-            action.setToolTip(f"{source}\n{target}")
-            action.triggered.connect(lambda _=False, pair=(source, target): self.files.pair(*pair))
-        if self.recent_menu.isEmpty():
-            self.recent_menu.addAction("Nothing was opened yet").setEnabled(False)
 
     def open_example(self, name: str = "") -> None:
         """Open a bundled pair, the first without a name."""
@@ -193,6 +163,10 @@ class MainWindow(QMainWindow):
         page = self.pages[name]
         self.stack.setCurrentWidget(page)
         self.rail.check(name)
+        actions.enable_for(self.actions_by_id, name)
+        self.show_history()
+        self.status.preset.setVisible(name != "puzzle")
+        self.puzzle.show_status() if name == "puzzle" else self._show_status(self.session.state)
         self.status.setVisible(name != "study" and self.rail.isVisibleTo(self))  # a volunteer sees no results
         if hasattr(page, "begin"):
             page.begin()
@@ -209,17 +183,28 @@ class MainWindow(QMainWindow):
             self.study.answer(answer)
         elif self.page == "shapes":
             self.judging.answer(answer)
+        elif self.page == "puzzle":
+            self.puzzle.judging.answer(answer)
 
     def undo_vote(self) -> None:
         """Take back the volunteer's last vote."""
-        self.study.undo() if self.page == "study" else self.judging.undo()
+        {"study": self.study, "puzzle": self.puzzle.judging}.get(self.page, self.judging).undo()
+
+    def undo(self, by: int = -1) -> None:
+        """Go one step back on the page that is shown, or do it again."""
+        history = self.history
+        history.undo() if by < 0 else history.redo()
+
+    def enrol(self) -> None:
+        """Put what the page has found into the study, so that volunteers are asked about it."""
+        self.puzzle.judging.enrol(told=True) if self.page == "puzzle" else self.judging.enrol()
 
     def comment(self) -> None:
         """Ask for a comment that goes with the next answer on the voting page."""
         if self.page == "study":
             self.study.ask_comment()
         else:
-            self.say("Comments go with the answers of the voting page; open it with Ctrl+2.")
+            self.say("Comments go with the answers of the voting page; open it with Ctrl+3.")
 
     def step_match(self, by: int) -> None:
         """Go to the next or previous match; on the voting page, leave the question for the end."""
@@ -247,6 +232,7 @@ class MainWindow(QMainWindow):
         """Stop what runs; leave the page-alone mode if nothing does."""
         if self.jobs.busy():
             self.matching.cancel()
+            self.puzzle.solving.cancel()
             self.status.text.setText("Stopped.")
         elif not self.rail.isVisible():
             self.toggle_alone()
@@ -257,8 +243,9 @@ class MainWindow(QMainWindow):
         self.matching.again()
 
     def toggle_panel(self) -> None:
-        """Show or hide the right panel of the shapes page."""
-        self.shapes.panel.setVisible(self.shapes.panel.isHidden())
+        """Show or hide the right panel of the shapes or the puzzle page."""
+        panel = (self.puzzle.page if self.page == "puzzle" else self.shapes).panel
+        panel.setVisible(panel.isHidden())
 
     def toggle_alone(self) -> None:
         """Show the page without rail, menus and status line, or with them again."""
@@ -316,10 +303,24 @@ class MainWindow(QMainWindow):
                 action.setChecked(action.text() == state.preset)
         if names & {"result", "answers", "verdicts", "shown", "source", "target"}:
             self._show_status(state)
-        self.actions_by_id["undo"].setEnabled(self.session.can_undo)
-        self.actions_by_id["redo"].setEnabled(self.session.can_redo)
+        self.show_history()
+
+    @property
+    def history(self) -> "Session":
+        """The session whose steps are undone on the page that is shown."""
+        return self.puzzle.session if self.page == "puzzle" else self.session
+
+    def show_history(self) -> None:
+        """Enable undo and redo where the page has steps."""
+        self.actions_by_id["undo"].setEnabled(self.history.can_undo)
+        self.actions_by_id["redo"].setEnabled(self.history.can_redo)
+
+    def _show_seconds(self, seconds: float) -> None:
+        self.status.seconds.setText(seconds_text(seconds))
 
     def _show_status(self, state: "State") -> None:
+        if self.page == "puzzle":
+            return
         if state.result is None:
             waiting = "Matching …" if self.jobs.busy() else "Not matched; choose Edit > Match again, or other files."
             self.status.text.setText("" if state.source is None else waiting)
@@ -363,7 +364,8 @@ class MainWindow(QMainWindow):
     def dropEvent(self, event: QDropEvent) -> None:
         paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
         event.acceptProposedAction()
-        QTimer.singleShot(0, lambda: self.files.drop(paths) if paths else None)
+        drop = self.puzzle.drop if self.page == "puzzle" else self.files.drop
+        QTimer.singleShot(0, lambda: drop(paths) if paths else None)
 
     def changeEvent(self, event: QEvent) -> None:
         """Read the votes again when the window comes to the front: other windows write to the same study."""

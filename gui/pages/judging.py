@@ -94,7 +94,7 @@ class Judging(QObject):
             self._enrol(handle, result, state.set_name)
             study.record_vote(handle, match_id, state.volunteer, answer, shown_ms=shown)
 
-        self._commit(work, lambda _: self._advance(match_id))
+        self.commit(work, lambda _: self._advance(match_id))
 
     def undo(self) -> None:
         """Retract the volunteer's last vote and show its match again."""
@@ -110,13 +110,13 @@ class Judging(QObject):
             else:
                 self.saved.emit("took back a vote on another pair")
 
-        self._commit(lambda handle: study.undo_vote(handle, code), back)
+        self.commit(lambda handle: study.undo_vote(handle, code), back)
 
     def enrol(self) -> None:
         """Put the shown matches into the study, judged or not, so that volunteers are asked about them."""
         result, set_name = self.session.state.result, self.session.state.set_name
         if result is not None and not self.saving:
-            self._commit(lambda handle: self._enrol(handle, result, set_name),
+            self.commit(lambda handle: self._enrol(handle, result, set_name),
                          lambda _: self.saved.emit(f"{len(result.ids)} matches in the study"))  # fmt: skip
 
     def vote_on(self, item_id: str, answer: str, shown_ms: int, presentation: Mapping[str, Any],
@@ -127,12 +127,12 @@ class Judging(QObject):
         def work(handle: study.StudyFile) -> None:
             study.record_vote(handle, item_id, code, answer, comment=comment, shown_ms=shown_ms, presentation=presentation)
 
-        self._commit(work, lambda _: done())
+        self.commit(work, lambda _: done())
 
     def take_back(self, done: Callable[[str | None], None]) -> None:
         """Retract the last vote (the voting page) and hand its item to `done`."""
         code = self.session.state.volunteer
-        self._commit(lambda handle: study.undo_vote(handle, code), done)
+        self.commit(lambda handle: study.undo_vote(handle, code), done)
 
     def ask(self, question: Callable[[study.StudyFile], Any], done: Callable[[Any], None]) -> None:
         """Read something from the study in the worker."""
@@ -152,7 +152,8 @@ class Judging(QObject):
             self.handle.close()
             self.handle = None
 
-    def _commit(self, work: Callable[[study.StudyFile], Any], after: Callable[[Any], None]) -> None:
+    def commit(self, work: Callable[[study.StudyFile], Any], after: Callable[[Any], None]) -> None:
+        """Write something to the study in the worker; when it is on the disk, read the votes and call `after`."""
         handle, code = self.handle, self.session.state.volunteer
         if handle is None:
             self.failed.emit("No study file is open, so the vote was not taken; open or create one (Study > New study).", "")

@@ -160,7 +160,7 @@ class ShapesPage(QWidget):
         self.layers.layer_stepped.connect(self.step_layer)
         self.layers.node_stepped.connect(self.step_node)
         self.judge.answered.connect(self.judging.answer)
-        self.judge.named.connect(self._named)
+        self.judge.named.connect(self.name_volunteer)
         self.judging.saved.connect(self.judge.state.setText)
 
     # --- what a hand does
@@ -195,7 +195,8 @@ class ShapesPage(QWidget):
             self.failed.emit(str(error), "")
             self._show_parameters(self.session.state)
 
-    def _named(self, text: str) -> None:
+    def name_volunteer(self, text: str) -> None:
+        """Vote under a code from now on."""
         try:
             code = checked_code(text)
         except ConcordError as error:

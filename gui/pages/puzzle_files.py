@@ -1,0 +1,184 @@
+"""Opening, dropping and exporting puzzles: dialogs, and what follows from them."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, Qt
+from PySide6.QtGui import QImageReader, QPixmap
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QDialog,
+    QDialogButtonBox,
+    QFileDialog,
+    QFormLayout,
+    QLabel,
+    QSpinBox,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ..folders import settings
+from .puzzle_solving import Cut, check_droppable
+from .puzzle_state import PuzzleState
+
+if TYPE_CHECKING:
+    from .puzzle_desk import PuzzleDesk
+
+PICTURES = "Pictures (*.png *.jpg *.jpeg *.tif *.tiff *.bmp *.webp *.gif *.ppm)"
+KIND_WORDS = {"squares": "Squares", "merged": "Merged squares", "rectangles": "Rectangles", "triangles": "Triangles and squares"}
+PREVIEW = 240
+
+
+class CutDialog(QDialog):
+    """Asks how a picture is cut."""
+
+    def __init__(self, path: str, how: Cut, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setWindowTitle("Cut a picture into pieces")
+        self.kind = QComboBox(self)
+        for kind, words in KIND_WORDS.items():
+            self.kind.addItem(words, kind)
+        self.kind.setCurrentIndex(list(KIND_WORDS).index(how.kind))
+        self.pieces, self.seed = QSpinBox(self), QSpinBox(self)
+        self.pieces.setRange(2, 30_000)
+        self.pieces.setValue(how.pieces)
+        self.seed.setRange(0, 2**31 - 1)
+        self.seed.setValue(how.seed)
+        self.seed.setToolTip("The same seed cuts and shuffles in the same way")
+        self.turned = QCheckBox("Turn the pieces by quarter turns", self)
+        self.turned.setChecked(how.turned)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel, self)
+        buttons.button(QDialogButtonBox.StandardButton.Ok).setText("Cut")
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        form = QFormLayout()
+        form.setHorizontalSpacing(16)
+        form.setVerticalSpacing(8)
+        for words, widget in (("Pieces", self.kind), ("How many", self.pieces), ("", self.turned), ("Seed", self.seed)):
+            form.addRow(words, widget)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(16, 16, 16, 16)
+        column.setSpacing(12)
+        column.addWidget(self._preview(path))
+        column.addLayout(form)
+        column.addWidget(buttons)
+
+    def _preview(self, path: str) -> QLabel:
+        """The picture, small, with its name and size; the engine reads it again with care."""
+        label = QLabel(Path(path).name, self, alignment=Qt.AlignmentFlag.AlignCenter)
+        reader = QImageReader(path)
+        reader.setAutoTransform(True)
+        size = reader.size()
+        if size.isValid() and size.width() * size.height() <= 50_000_000:
+            reader.setScaledSize(size.scaled(PREVIEW, PREVIEW, Qt.AspectRatioMode.KeepAspectRatio))
+            image = reader.read()
+            if not image.isNull():
+                label.setPixmap(QPixmap.fromImage(image))
+        return label
+
+    def how(self) -> Cut:
+        """What was chosen."""
+        return Cut(self.kind.currentData(), self.pieces.value(), self.turned.isChecked(), self.seed.value())
+
+
+class PuzzleFiles(QObject):
+    """The file commands of the puzzle page; everything that fails becomes a message."""
+
+    def __init__(self, desk: "PuzzleDesk") -> None:
+        super().__init__(desk)
+        self.desk = desk
+        self._folder = str(settings().value("puzzle-folder", str(Path.home())))
+        self._how = Cut()
+
+    def open_picture(self) -> None:
+        """Ask for a picture and how to cut it."""
+        path, _ = QFileDialog.getOpenFileName(self.desk.window, "Open a picture as a puzzle", self._folder, PICTURES)
+        if path:
+            self.ask_cut(path)
+
+    def ask_cut(self, path: str) -> None:
+        """Ask how to cut a picture, and cut it."""
+        self._near(str(Path(path).absolute().parent))
+        dialog = CutDialog(path, self._how, self.desk.window)
+        if dialog.exec() == QDialog.DialogCode.Accepted:
+            self._how = dialog.how()
+            self.desk.open(lambda: self.desk.solving.open_picture(path, self._how))
+        dialog.deleteLater()
+
+    def open_folder(self) -> None:
+        """Ask for a folder of pieces."""
+        path = QFileDialog.getExistingDirectory(self.desk.window, "Folder with the images of the pieces", self._folder)
+        if path:
+            self.folder(path)
+
+    def folder(self, path: str) -> None:
+        """Open a folder of pieces."""
+        self._near(str(Path(path).absolute().parent))
+        self.desk.open(lambda: self.desk.solving.open_folder(path))
+
+    def drop(self, paths: list[str]) -> None:
+        """Open what was dropped: a picture, after asking how to cut it, or a folder of pieces."""
+        self.desk.window.show_page("puzzle")
+        kind, path = check_droppable(paths)
+        if kind == "folder":
+            self.folder(path)
+        else:
+            self.ask_cut(path)
+
+    # --- export
+
+    def export_picture(self) -> None:
+        """Ask where to, and write the assembled picture."""
+        state = self._solved()
+        if state is None:
+            return
+        start = f"{self._folder}/{state.puzzle.name}-assembled.png"
+        path, _ = QFileDialog.getSaveFileName(self.desk.window, "Export the assembled picture", start, "PNG picture (*.png)")
+        if path:
+            self.write_picture(Path(path) if Path(path).suffix else Path(path + ".png"))
+
+    def write_picture(self, path: Path) -> None:
+        """Write the assembled picture, several pictures side by side in files of their own."""
+        from engine.puzzles.imagefile import png_bytes
+        from engine.puzzles.rendering import assembled
+        from engine.store import write_atomically
+
+        state: PuzzleState = self.desk.session.state
+
+        def write() -> None:
+            for k in range(int(state.solution.picture.max()) + 1):
+                name = path if k == 0 else path.with_name(f"{path.stem}-{k + 1}{path.suffix}")
+                write_atomically(name, png_bytes(assembled(state.puzzle, state.solution, k)))
+
+        self.desk.window.attempt(write, f"Picture written to {path}")
+
+    def export_solution(self) -> None:
+        """Ask for a folder, and write solution.json, joins.csv and the wishes there."""
+        if self._solved() is not None:
+            title = "Folder for solution.json, joins.csv and assembled.png"
+            folder = QFileDialog.getExistingDirectory(self.desk.window, title, self._folder)
+            if folder:
+                self.write_solution(Path(folder))
+
+    def write_solution(self, folder: Path) -> None:
+        """Write positions and joins into a folder."""
+        from engine.puzzles.solutionfile import write_solution
+
+        state: PuzzleState = self.desk.session.state
+        scores = None if state.marks is None else state.marks.scores
+        self.desk.window.attempt(lambda: write_solution(folder, state.puzzle, state.solution, scores=scores),
+                                 f"Solution written to {folder}")  # fmt: skip
+
+    def _solved(self) -> PuzzleState | None:
+        state: PuzzleState = self.desk.session.state
+        if state.solution is None or not state.solution.placed.any():
+            self.desk.window.say("There is no picture to export yet; open a puzzle and solve it first.")
+            return None
+        return state
+
+    def _near(self, folder: str) -> None:
+        self._folder = folder
+        settings().setValue("puzzle-folder", folder)
+
+

@@ -1,0 +1,156 @@
+"""What hands do to a puzzle, as changes of the session: lock, reject, carry, turn, take back."""
+
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QObject, Signal
+
+from engine.puzzles.solution import Pin, PuzzleSolution, Wishes
+
+from ..session import Session
+from ..views.puzzle_layout import Layout, outlines, turned_sizes
+from ..views.puzzle_scene import join_key, join_keys, next_in
+from .puzzle_edits import (
+    NO_WISHES,
+    empty_solution,
+    forbid,
+    group,
+    joins_of_piece,
+    lock,
+    one,
+    pin,
+    placed_by_hand,
+    shifted,
+    taken_out,
+    unpin,
+)
+from .puzzle_judging import shown_join
+from .puzzle_state import PuzzleState, by_worst
+
+
+class Hands(QObject):
+    """Turns what a hand does into wishes, and shows at once what it did; the solver follows."""
+
+    said = Signal(str)
+    """a sentence for a hand that asked for what cannot be done"""
+
+    def __init__(self, session: Session, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self.session = session
+
+    def lock(self) -> None:
+        """Hold the join that is looked at, or the chosen piece where it stands; or let it go."""
+        state: PuzzleState = self.session.state
+        joins, row = shown_join(state)
+        if joins is not None:
+            wanted = one(joins, row)
+            self._wish(lock(state.wishes, wanted), selected=join_keys(wanted)[0], preview=None)
+        elif state.piece >= 0 and any(p.piece == state.piece for p in state.wishes.pinned):
+            self._wish(unpin(state.wishes, [state.piece]))
+        elif state.piece >= 0 and state.solution is not None and state.solution.placed[state.piece]:
+            self._wish(pin(state.wishes, [pin_of(state.solution, state.piece)]))
+        else:
+            self.said.emit("Choose a join or a placed piece first, then lock it; N goes to the most doubtful join.")
+
+    def reject(self) -> None:
+        """Forbid the join that is looked at, or all joins of the chosen piece."""
+        state: PuzzleState = self.session.state
+        joins, row = shown_join(state)
+        if joins is not None:
+            self._wish(forbid(state.wishes, one(joins, row)), selected=None, preview=None)
+        elif state.piece >= 0 and state.solution is not None and state.solution.placed[state.piece]:
+            self.put_back(state.piece)
+        else:
+            self.said.emit("Choose a join or a placed piece first, then reject it; N goes to the most doubtful join.")
+
+    def put_back(self, piece: int) -> None:
+        """Take a piece out of the picture: the joins that it has there may not come back."""
+        state: PuzzleState = self.session.state
+        wrong = joins_of_piece(state.solution.joins, piece)
+        wishes = unpin(state.wishes, [piece])
+        wishes = forbid(wishes, wrong) if len(wrong) else wishes
+        self._wish(wishes, solution=taken_out(state.solution, [piece]), selected=None, preview=None, piece=piece)
+
+    def carry(self, layout: Layout, piece: int, x: int, y: int) -> None:
+        """Put a piece, with what is locked to it, where a hand has let it go: it stays there, or lies in the tray."""
+        state: PuzzleState = self.session.state
+        middle = np.array([x, y]) + layout.size[piece] / 2
+        placed = state.solution is not None and bool(state.solution.placed[piece])
+        if layout.tray is not None and layout.tray.holds(*middle):
+            if placed:
+                self.put_back(piece)
+            return
+        before = state.solution or empty_solution(state.puzzle, state.parameters)
+        picture = nearest_picture(layout, middle)
+        corner = layout.pictures[picture][:2] if layout.pictures else (x, y)
+        turns = int(before.turns[piece]) if placed else 0
+        goal = self._inside(Pin(piece, x - int(corner[0]), y - int(corner[1]), turns))
+        carried = [goal]
+        if placed:
+            step = (goal.x - int(before.position[piece][0]), goal.y - int(before.position[piece][1]))
+            others = [pin_of(before, k) for k in group(piece, state.wishes.locked) - {piece} if before.placed[k]]
+            carried += [p._replace(x=p.x + step[0], y=p.y + step[1]) for p in others]
+        pinned = {p.piece for p in state.wishes.pinned}
+        held = [goal, *(p for p in carried[1:] if p.piece in pinned)]
+        self._hold(before, carried, pin(state.wishes, held), picture, piece)
+
+    def turn(self) -> None:
+        """Turn the chosen piece clockwise by a quarter where it stands."""
+        state: PuzzleState = self.session.state
+        if state.piece < 0 or state.solution is None or not state.solution.placed[state.piece]:
+            self.said.emit("Choose a placed piece first, then turn it; pieces in the tray are turned where they are put.")
+            return
+        old = pin_of(state.solution, state.piece)
+        new = old._replace(quarter_turns=(old.quarter_turns + 1) % 4)
+        self._hold(state.solution, [new], pin(state.wishes, [new]), int(state.solution.picture[state.piece]), state.piece)
+
+    def clear(self) -> None:
+        """Forget all locks, rejections and pins."""
+        if self.session.state.wishes:
+            self._wish(NO_WISHES)
+
+    def step(self, by: int) -> None:
+        """Look at the next join in the order of doubt, or the one before."""
+        state: PuzzleState = self.session.state
+        if state.solution is None or not len(state.solution.joins):
+            self.said.emit("There are no joins yet; press Solve first.")
+            return
+        row = next_in(np.array(by_worst(state), np.int64), state.row, by)
+        if row >= 0:
+            self.session.update(selected=join_key(state.solution.joins.sides[row]), preview=None, piece=-1)
+        else:
+            self.said.emit("No join is less certain than the slider says; move it to the right to see more.")
+
+    def _inside(self, goal: Pin) -> Pin:
+        """A pin that does not reach out of a known frame."""
+        puzzle = self.session.state.puzzle
+        if puzzle.frame is None:
+            return goal
+        w, h = turned_sizes(outlines(puzzle).size[[goal.piece]], np.array([goal.quarter_turns]))[0].tolist()
+        return goal._replace(x=max(0, min(goal.x, puzzle.frame[0] - w)), y=max(0, min(goal.y, puzzle.frame[1] - h)))
+
+    def _hold(self, before: PuzzleSolution, carried: list[Pin], wishes: Wishes, picture: int, piece: int) -> None:
+        puzzle = self.session.state.puzzle
+        solution = placed_by_hand(puzzle, before, carried, picture)
+        if puzzle.frame is None:
+            solution, wishes = shifted(puzzle, solution, wishes)
+        self._wish(wishes, solution=solution, selected=None, preview=None, piece=piece)
+
+    def _wish(self, wishes: Wishes, **changes: Any) -> None:
+        """One step of the history; `marks` and names belong to a solution and go when a hand changes it."""
+        gone = {"marks": None, "items": (), "solved_with": None} if "solution" in changes else {}
+        self.session.update(wishes=wishes, **changes, **gone)
+
+
+def pin_of(solution: PuzzleSolution, piece: int) -> Pin:
+    """A piece held where a solution has it."""
+    x, y = solution.position[piece].tolist()
+    return Pin(piece, x, y, int(solution.turns[piece]))
+
+
+def nearest_picture(layout: Layout, at: np.ndarray) -> int:
+    """The picture whose area is nearest to a point, 0 where there is none."""
+    away = [max(a.x - at[0], at[0] - a.x - a.w, 0) + max(a.y - at[1], at[1] - a.y - a.h, 0) for a in layout.pictures]
+    return int(np.argmin(away)) if away else 0
+
+

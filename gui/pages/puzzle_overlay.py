@@ -1,0 +1,72 @@
+"""What the canvas and the panel show of a state: marks over the pieces, words about a join."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from engine.puzzles.pieces import SIDE_NAMES, Puzzle
+from engine.puzzles.solution import Joins
+
+from ..views.puzzle_layout import Layout
+from ..views.puzzle_painting import Overlay
+from ..views.puzzle_scene import bins, join_keys, seams, shown_joins
+from .arrange import share_text
+from .puzzle_edits import rows_of
+from .puzzle_judging import judged_rows
+from .puzzle_state import PuzzleState, scores_text
+
+
+def overlay_of(state: PuzzleState, layout: Layout) -> Overlay:
+    """The joins and marks of a state over its layout."""
+    pinned = tuple(p.piece for p in state.wishes.pinned if layout.placed[p.piece])
+    if state.solution is None or not len(state.solution.joins):
+        return Overlay(piece=state.piece, pinned=pinned)
+    joins, row = state.solution.joins, state.row
+    locked = rows_of(joins, join_keys(state.wishes.locked))
+    always = locked.copy()
+    if row >= 0:
+        always[row] = True
+    marks = state.marks if state.overlay else None
+    none = np.zeros(0, np.int64)
+    return Overlay(
+        seams(layout, joins), bins(joins.confidence), shown_joins(joins, state.below, state.piece, always),
+        judged_rows(state.items, state.verdicts), locked, row, state.piece, pinned,
+        none if marks is None else np.flatnonzero(~marks.places & layout.placed),
+        none if marks is None else np.flatnonzero(~marks.joins),
+        "" if marks is None else "Beside the truth:  " + scores_text(marks.scores),
+    )  # fmt: skip
+
+
+def side_text(puzzle: Puzzle, turns: Sequence[int], piece: int, side: int) -> str:
+    """'piece 12, right': a side as it stands, by its direction where the piece is a rectangle."""
+    name = puzzle.pieces[piece].name or f"piece {piece + 1}"
+    polygon = puzzle.pieces[piece].polygon
+    if len(polygon) == 4 and puzzle.pieces[piece].mask.all():
+        return f"{name}, {SIDE_NAMES[(side + int(turns[piece])) % 4]}"
+    return f"{name}, side {side + 1} of {len(polygon)}"
+
+
+def join_text(puzzle: Puzzle, turns: Sequence[int], joins: Joins, row: int) -> str:
+    """'piece 12, right – piece 57, left'."""
+    a, side_a, b, side_b = joins.sides[row].tolist()
+    standing = {a: int(turns[a]), b: int(turns[a]) + int(joins.turn[row])}
+    return f"{side_text(puzzle, standing, a, side_a)} – {side_text(puzzle, standing, b, side_b)}"
+
+
+def why_text(joins: Joins, row: int, locked: bool) -> str:
+    """How sure a join is and what confirmed it, in words."""
+    how = {"": "not confirmed by its neighbours", "loops": "confirmed by the pieces around it",
+           "diffusion": "confirmed by diffusion pruning", "matchlift": "confirmed by MatchLift",
+           "person": "locked by a person"}  # fmt: skip
+    if locked:
+        return "locked: it stays whatever the solver thinks"
+    by = joins.confirmed_by[row]
+    return f"probably right with {share_text(float(joins.confidence[row]))} · {how.get(by, f'confirmed by {by}')}"
+
+
+def tip_text(state: PuzzleState, row: int) -> str:
+    """What hovering over a join says."""
+    if state.solution is None or row >= len(state.solution.joins):
+        return ""
+    joins = state.solution.joins
+    return f"{join_text(state.puzzle, state.solution.turns, joins, row)}\nconfidence {share_text(float(joins.confidence[row]))}"

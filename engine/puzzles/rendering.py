@@ -1,0 +1,155 @@
+"""Pictures of puzzles: the assembled picture, marks on it, and a sheet of the pieces as they were read."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .pieces import Piece, Puzzle
+from .solution import PuzzleSolution
+from .turning import turned_polygon, turned_raster
+
+# Red to blue through a pale middle, told apart by all kinds of colour sight; doubtful joins are the warm ones.
+SCALE = np.array([[0xC8, 0x3E, 0x00], [0xE6, 0x8A, 0x2E], [0xF0, 0xD8, 0x8A], [0x7F, 0xBF, 0xE8], [0x00, 0x72, 0xB2]], float)
+WRONG = np.array([0xD5, 0x5E, 0x00], dtype=np.float64)
+PAPER = np.array([0xFA, 0xFA, 0xF7], dtype=np.uint8)
+
+
+def assembled(puzzle: Puzzle, solution: PuzzleSolution, picture: int = 0) -> np.ndarray:
+    """The picture that the placed pieces make, (h, w, 4) uint8 RGBA; transparent where no piece lies."""
+    w, h = (int(side) for side in solution.sizes[picture])
+    canvas = np.zeros((max(h, 1), max(w, 1), 4), dtype=np.uint8)
+    full = puzzle.square is not None
+    for i in np.flatnonzero(solution.picture == picture):
+        _lay(canvas, puzzle.pieces[i], solution.position[i], int(solution.turns[i]), full)
+    return canvas
+
+
+def _lay(canvas: np.ndarray, piece: Piece, position: np.ndarray, turns: int, full: bool) -> None:
+    """Put the seen pixels of a turned piece on the canvas; what lies outside is cut off."""
+    image = turned_raster(piece.image, turns) if turns else piece.image
+    h, w = image.shape[:2]
+    x, y = int(position[0]), int(position[1])
+    x0, y0, x1, y1 = max(x, 0), max(y, 0), min(x + w, canvas.shape[1]), min(y + h, canvas.shape[0])
+    if x0 >= x1 or y0 >= y1:
+        return
+    place, part = canvas[y0:y1, x0:x1], (slice(y0 - y, y1 - y), slice(x0 - x, x1 - x))
+    if full:
+        place[..., :3], place[..., 3] = image[part], 255
+    else:
+        seen = turned_raster(piece.mask, turns)[part]
+        place[seen, :3], place[seen, 3] = image[part][seen], 255
+
+
+def confidence_colours(confidence: np.ndarray) -> np.ndarray:
+    """Colours (j, 3) uint8 of confidences (j,) in [0, 1]: warm where a join is doubtful, blue where it is certain."""
+    at = np.clip(confidence, 0, 1) * (len(SCALE) - 1)
+    low = np.minimum(at.astype(np.int64), len(SCALE) - 2)
+    part = (at - low)[:, None]
+    return np.round(SCALE[low] * (1 - part) + SCALE[low + 1] * part).astype(np.uint8)
+
+
+def marked(
+    canvas: np.ndarray, puzzle: Puzzle, solution: PuzzleSolution, *, picture: int = 0,
+    right: np.ndarray | None = None, joins: bool = True,
+) -> np.ndarray:  # fmt: skip
+    """A copy of the assembled picture on paper with marks, (h, w, 3) uint8.
+
+    `right` (n,) bool, where the truth is known, hatches the pieces that lie wrong; `joins` draws the shared sides in
+    the colours of their confidence, the doubtful ones thicker and last.
+    """
+    import cv2
+
+    seen = canvas[..., 3:] > 0
+    shown = np.where(seen, canvas[..., :3], PAPER).astype(np.uint8)
+    if right is not None:
+        for i in np.flatnonzero((solution.picture == picture) & ~right):
+            _hatch(shown, puzzle.pieces[i], solution.position[i], int(solution.turns[i]))
+    if joins and len(solution.joins):
+        chosen = np.flatnonzero(solution.picture[solution.joins.sides[:, 0]] == picture)
+        chosen = chosen[np.argsort(-solution.joins.confidence[chosen], kind="stable")]
+        colours = confidence_colours(solution.joins.confidence[chosen])
+        ends = np.round(side_ends(puzzle, solution, chosen) * 16 - 8).astype(np.int32)
+        width = max(1, round(typical_side(puzzle) / 28))
+        for (a, b), colour, sure in zip(ends, colours, solution.joins.confidence[chosen], strict=True):
+            thick = width if sure >= 0.9 else 2 * width
+            cv2.line(shown, a.tolist(), b.tolist(), colour.tolist(), thick, cv2.LINE_AA, 4)
+    return shown
+
+
+def side_ends(puzzle: Puzzle, solution: PuzzleSolution, joins: Sequence[int] | np.ndarray) -> np.ndarray:
+    """The two ends of what the sides of some joins share in the assembled picture, (j, 2, 2) float64 pixels."""
+    ends = np.zeros((len(joins), 2, 2))
+    for k, (a, side_a, b, side_b) in enumerate(solution.joins.sides[np.asarray(joins, dtype=np.int64)]):
+        one, other = (_side(puzzle, solution, int(i), int(side)) for i, side in ((a, side_a), (b, side_b)))
+        along = one[1] - one[0]
+        length = float(np.hypot(*along)) or 1.0
+        at = np.sort((other - one[0]) @ along / length)
+        start, stop = max(at[0], 0.0), min(at[1], length)
+        ends[k] = one[0] + np.array([[start], [max(stop, start)]]) * along / length
+    return ends
+
+
+def _side(puzzle: Puzzle, solution: PuzzleSolution, i: int, side: int) -> np.ndarray:
+    """The two corners (2, 2) of a side of a placed piece."""
+    piece = puzzle.pieces[i]
+    h, w = piece.mask.shape
+    corners = piece.polygon[[side, (side + 1) % len(piece.polygon)]]
+    return turned_polygon(corners, (w, h), int(solution.turns[i])) + solution.position[i]
+
+
+def typical_side(puzzle: Puzzle) -> float:
+    """The side in pixels of a square as large as the middle piece."""
+    return float(np.sqrt(np.median([piece.mask.size for piece in puzzle.pieces])))
+
+
+def _hatch(shown: np.ndarray, piece: Piece, position: np.ndarray, turns: int) -> None:
+    """Diagonal stripes over a piece and a tint under them."""
+    mask = turned_raster(piece.mask, turns)
+    h, w = mask.shape
+    x, y = int(position[0]), int(position[1])
+    x0, y0, x1, y1 = max(x, 0), max(y, 0), min(x + w, shown.shape[1]), min(y + h, shown.shape[0])
+    if x0 >= x1 or y0 >= y1:
+        return
+    place, seen = shown[y0:y1, x0:x1], mask[y0 - y : y1 - y, x0 - x : x1 - x, None]
+    step = max(6, round(min(h, w) / 3))
+    stripe = (np.add.outer(np.arange(y0, y1), np.arange(x0, x1)) % step < max(2, step // 4))[..., None]
+    strength = seen * np.where(stripe, 0.85, 0.25)
+    place[:] = np.round(place * (1 - strength) + WRONG * strength).astype(np.uint8)
+
+
+def sheet(puzzle: Puzzle, *, width: int = 1200, most: int = 30_000) -> np.ndarray:
+    """All pieces as they were read, in their order, in rows on paper, (h, width, 3) uint8; at most `most` of them."""
+    import cv2
+
+    pieces = puzzle.pieces[:most]
+    largest = max(max(piece.mask.shape) for piece in pieces)
+    columns = max(1, int(np.ceil(np.sqrt(len(pieces) * 1.6))))
+    cell = int(np.clip(width // columns, 6, 160))
+    columns = width // cell
+    gap = 1 if cell < 24 else 3
+    scale = min((cell - gap) / largest, 2.0)
+    rows = -(-len(pieces) // columns)
+    page = np.broadcast_to(PAPER, (rows * cell + gap, width, 3)).copy()
+    for k, piece in enumerate(pieces):
+        h, w = (max(1, round(side * scale)) for side in piece.mask.shape)
+        how = cv2.INTER_AREA if scale < 1 else cv2.INTER_NEAREST
+        small = np.asarray(cv2.resize(piece.image, (w, h), interpolation=how))
+        y, x = (cell * (k // columns) + (cell + gap - h) // 2, cell * (k % columns) + (cell + gap - w) // 2)
+        place = page[y : y + h, x : x + w]
+        if piece.mask.all():
+            place[:] = small
+        else:
+            share = np.asarray(cv2.resize(piece.mask.astype(np.float32), (w, h), interpolation=how))[..., None]
+            place[:] = np.minimum(small + place * (1 - share), 255).astype(np.uint8)
+    return page
+
+
+def thumbnail(pixels: np.ndarray, *, longest: int) -> np.ndarray:
+    """Pixels scaled down so that the longer side is at most `longest`; smaller ones stay as they are."""
+    import cv2
+
+    h, w = pixels.shape[:2]
+    scale = longest / max(h, w)
+    if scale >= 1:
+        return pixels
+    return np.asarray(cv2.resize(pixels, (max(1, round(w * scale)), max(1, round(h * scale))), interpolation=cv2.INTER_AREA))

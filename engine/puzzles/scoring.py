@@ -134,13 +134,19 @@ def _same_beside(true: _Layout, found: _Layout, pairs: np.ndarray) -> np.ndarray
 
 
 def contacts(puzzle: Puzzle, picture: np.ndarray, position: np.ndarray, turns: np.ndarray) -> np.ndarray:
-    """Pairs (k, 2) of pieces whose borders touch, a before b in reading order for squares; unplaced ones touch none."""
+    """Pairs (k, 2) of pieces whose borders touch, a before b in reading order for squares; unplaced ones touch none.
+
+    Polygons touch where at least two pixels of theirs do: one is the corner of a slope.
+    """
     found = [np.zeros((0, 2), dtype=np.int64)]
     for k in np.unique(picture[picture != UNPLACED]):
         on = np.flatnonzero(picture == k)
         labels = _painted(puzzle, on, position[on], turns[on])
         pairs = np.concatenate([_beside(labels[:, :-1], labels[:, 1:]), _beside(labels[:-1], labels[1:])])
-        found.append(np.unique(pairs, axis=0))
+        if puzzle.square is None:
+            pairs = np.sort(pairs, axis=1)
+        distinct, counts = np.unique(pairs, axis=0, return_counts=True)
+        found.append(distinct if puzzle.square is not None else distinct[counts >= 2])
     return np.concatenate(found)
 
 

@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from engine.progress import silent
-from engine.puzzles.measures import CODES, Strips, dissimilarity, dissimilarity_of_pairs, gradient_statistics, side_strips
+from engine.puzzles.measures import (
+    CODES,
+    Strips,
+    dissimilarity,
+    dissimilarity_of_pairs,
+    gradient_statistics,
+    side_strips,
+)
 from engine.puzzles.shortlist import mgc_forms, nearest, pairs_of, ssd_forms
 
 ALL = sorted([*CODES, "mgc-pt"])

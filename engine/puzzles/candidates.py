@@ -89,11 +89,11 @@ def border_features(candidates: Candidates, strips: Strips, progress: Progress) 
     length = strips.outer.shape[1]
     for number, measure in enumerate(FEATURE_MEASURES):
         values = dissimilarity_of_pairs(measure, strips, candidates.pairs, parts=2)
-        epsilon = 1e-2 * float(np.median(values)) + 1e-9
-        ratio = np.log((values[:, None] + epsilon) / (rival_values(values, candidates) + epsilon)).clip(-4, 4)
+        epsilon = 1e-4 * float(np.median(values)) + 1e-9
+        ratio = np.log(((values[:, None] + epsilon) / (rival_values(values, candidates) + epsilon)).clip(0.01, 60))
         columns += [ratio.max(axis=1), ratio.min(axis=1)]
         if measure in ("mgc-root", "pt", "emd-lab"):
-            columns.append(np.log(values / length + 0.05))
+            columns.append(np.log(values / length + 0.005))
         progress((number + 1) / len(FEATURE_MEASURES), "measuring joins")
     contrast = np.log(strips.outer.std(axis=1).mean(axis=1) + 0.3)
     ends = contrast[candidates.pairs]

@@ -9,10 +9,14 @@ from .candidates import Candidates
 from .evidence import Evidence
 from .filling import EMPTY, best_place, cell_score, fill_cells, merge_by_contacts, polish, total_worth
 from .solution import UNPLACED
+from .turning import turned_vectors
 
 SURE, HOPEFUL = 2.0, -1.0  # log odds: what merges two blocks, and what makes a placement worth a look
 LOOSE, MOST_LOOSE = 1.5, 600  # mean log odds a contact below which a piece may be swapped, and how many may
 BARELY = -3.0  # mean log odds a contact below which no piece is added where the frame is not known
+
+
+Pinned = tuple[int, int, int, int]  # a piece, its column, row and turns
 
 
 class Layout(NamedTuple):
@@ -27,7 +31,7 @@ class Layout(NamedTuple):
 
 def complete(
     blocks: Blocks, candidates: Candidates, e: Evidence, rules: Rules, *,
-    groups: np.ndarray, pictures: int, turned: bool, missing: bool,
+    groups: np.ndarray, pin: Pinned | None, pictures: int, turned: bool, missing: bool,
 ) -> Layout:  # fmt: skip
     """Complete the `pictures` largest blocks.
 
@@ -39,12 +43,14 @@ def complete(
     blocks = merge_by_contacts(blocks, candidates, e, rules, least=SURE, hopeful=HOPEFUL)
     if pictures == 1:
         rules = with_guessed_frame(blocks, rules, turned, missing)
-    mains = main_blocks(blocks, pictures, rules.anchored)
+    mains = main_blocks(blocks, pictures, rules.anchored if pin is None else np.array([pin[0]]))
     rules = Rules(rules.frame, rules.either_way, rules.forbidden, rules.anchored, apart=mains)
     if rules.frame is not None:
         blocks = merge_by_contacts(blocks, candidates, e, rules, least=-60.0, hopeful=-4.0)
-    layouts = [_completed(blocks, name, k, e, rules, turned) for k, name in enumerate(mains)]
-    return _together(layouts, blocks, e, rules, turned, groups)
+    blocks = _as_pinned(blocks, pin)
+    layouts = [_completed(blocks, name, rules) for name in mains]
+    pinned = -1 if pin is None else int(np.flatnonzero(mains == blocks.block[pin[0]])[0])
+    return _together(layouts, pinned, blocks, e, rules, turned, groups)
 
 
 def main_blocks(blocks: Blocks, pictures: int, anchored: np.ndarray) -> np.ndarray:
@@ -68,8 +74,22 @@ def with_guessed_frame(blocks: Blocks, rules: Rules, turned: bool, missing: bool
     return Rules(frame, False, rules.forbidden, rules.anchored)
 
 
-def _completed(blocks: Blocks, name: int, k: int, e: Evidence, rules: Rules, turned: bool):  # type: ignore[no-untyped-def]
-    """A grid with room around for one main block: (grid, origin x, origin y, width, height)."""
+def _as_pinned(blocks: Blocks, pin: Pinned | None) -> Blocks:
+    """The block of a pinned piece turned and moved so that the piece is where it should be."""
+    if pin is None:
+        return blocks
+    piece, x, y, turn = pin
+    on = np.flatnonzero(blocks.block == blocks.block[piece])
+    k = int(turn - blocks.turns[piece]) % 4
+    moved = turned_vectors(np.column_stack([blocks.x, blocks.y])[on], np.full(len(on), k))
+    moved += (x, y) - moved[on == piece]
+    new_x, new_y, turns = blocks.x.copy(), blocks.y.copy(), blocks.turns.copy()
+    new_x[on], new_y[on], turns[on] = moved[:, 0], moved[:, 1], (turns[on] + k) % 4
+    return Blocks(blocks.block, new_x, new_y, turns)
+
+
+def _completed(blocks: Blocks, name: int, rules: Rules):  # type: ignore[no-untyped-def]
+    """A grid with room around for one main block: (grid, origin x, origin y, width, height, whether its place is known)."""
     on = np.flatnonzero(blocks.block == name)
     x, y = blocks.x[on], blocks.y[on]
     anchored = rules.frame is not None and len(rules.anchored) > 0 and name == blocks.block[rules.anchored[0]]
@@ -79,7 +99,9 @@ def _completed(blocks: Blocks, name: int, k: int, e: Evidence, rules: Rules, tur
         room_x = room_y = min(30, len(blocks.block))
     else:
         width, height = rules.frame
-        if rules.either_way and (w > width or h > height or ((w > h) != (width > height) and h <= width and w <= height)):
+        if rules.either_way and (
+            w > width or h > height or ((w > h) != (width > height) and h <= width and w <= height)
+        ):
             width, height = height, width
         room_x, room_y = width - w, height - h
     x0, y0 = (0, 0) if anchored else (int(x.min()) - room_x, int(y.min()) - room_y)
@@ -89,7 +111,9 @@ def _completed(blocks: Blocks, name: int, k: int, e: Evidence, rules: Rules, tur
     return grid, x0, y0, width, height, anchored
 
 
-def _together(layouts, blocks: Blocks, e: Evidence, rules: Rules, turned: bool, groups: np.ndarray) -> Layout:  # type: ignore[no-untyped-def]
+def _together(
+    layouts, pinned: int, blocks: Blocks, e: Evidence, rules: Rules, turned: bool, groups: np.ndarray
+) -> Layout:  # type: ignore[no-untyped-def]
     """Fill all grids with what is left, best first, and read the layout off them."""
     n = len(blocks.block)
     turns = np.array(blocks.turns)
@@ -109,7 +133,7 @@ def _together(layouts, blocks: Blocks, e: Evidence, rules: Rules, turned: bool, 
         rows, columns = np.nonzero(grid != EMPTY)
         pieces = grid[rows, columns]
         picture[pieces], cx[pieces], cy[pieces] = k, columns, rows
-        if anchored:
+        if anchored or pinned == k:
             cx[pieces] += x0
             cy[pieces] += y0
         elif len(pieces):
@@ -146,18 +170,3 @@ def _place_group(group, blocks: Blocks, grid, turns, limits, turned, e) -> bool:
 def _loose_cells(grid: np.ndarray, pieces: np.ndarray, rules: Rules, groups: np.ndarray) -> np.ndarray:
     pieces = np.setdiff1d(pieces[groups[pieces] < 0], rules.anchored)[:MOST_LOOSE]
     return np.argwhere(np.isin(grid, pieces) & (grid != EMPTY))
-
-
-def normalised(layout: Layout, pin: tuple[int, int, int, int] | None) -> Layout:
-    """The layout turned and moved so that a pinned piece (piece, x, y, turns) is where it should be."""
-    if pin is None:
-        return layout
-    piece, x, y, turn = pin
-    k = int(turn - layout.turns[piece]) % 4
-    on = layout.picture == layout.picture[piece]
-    cells = [turn_cell(a, b, k) for a, b in zip(layout.x, layout.y, strict=True)]
-    cx, cy = np.array(cells).T
-    dx, dy = x - cx[piece], y - cy[piece]
-    return Layout(
-        layout.picture, np.where(on, cx + dx, layout.x), np.where(on, cy + dy, layout.y),
-        np.where(on, (layout.turns + k) % 4, layout.turns), layout.worth)  # fmt: skip

@@ -10,7 +10,7 @@ from ..progress import Progress, share, silent
 from . import assembly
 from .blocks import Blocks, Rules, grow_blocks, single_pieces
 from .candidates import Candidates, candidates_of, exclusive, shortlist
-from .completing import Layout, complete, normalised
+from .completing import Layout, complete
 from .evidence import NEVER, Evidence, evidence
 from .learned import learned_probability, single_probability
 from .measures import Strips, side_strips
@@ -82,7 +82,7 @@ def assemble_grid(
         blocks = (assembly.grown_greedily(job.probability, job.candidates, job.start, job.rules, LEAST)
                   if order is None else grow_blocks(job.candidates.pairs, order, job.start, job.rules)[0])  # fmt: skip
         layouts[method] = complete(
-            blocks, job.candidates, job.evidence, job.rules, groups=job.groups, pictures=puzzle.pictures,
+            blocks, job.candidates, job.evidence, job.rules, groups=job.groups, pin=job.pin, pictures=puzzle.pictures,
             turned=puzzle.turned, missing=parameters.missing)  # fmt: skip
     best = max(layouts, key=lambda name: layouts[name].worth - 10.0 * (layouts[name].picture == UNPLACED).sum())
     seconds["assembly"] = time.perf_counter() - began
@@ -128,7 +128,7 @@ def _with_wishes(prepared: PreparedGrid, parameters: PuzzleParameters, wishes: W
     if len(locked) or len(forbidden):
         found, value, probability, e = _revised(prepared, locked, forbidden)
     pins = np.array([pin.piece for pin in wishes.pinned], dtype=np.int64)
-    start, groups = _start_blocks(n, locked, forbidden, wishes, px)
+    start, groups = _start_blocks(n, locked, forbidden, wishes, px, frame)
     either_way = puzzle.turned and not len(pins)
     rules = Rules(frame, either_way, forbidden, pins if frame is not None else pins[:0])
     first = wishes.pinned[0] if wishes.pinned else None
@@ -144,6 +144,10 @@ def _side_rows(joins: Joins, puzzle: Puzzle) -> np.ndarray:
                 raise BadInput(
                     f"There is no side {side} of piece {piece}; pieces run from 0 to {puzzle.count - 1}, sides from 0 to 3."
                 )
+        if not puzzle.turned and (side_a + 2) % 4 != side_b:
+            raise BadInput(
+                f"The {SIDE_NAMES[side_a]} of piece {a} cannot lie at the {SIDE_NAMES[side_b]} of piece {b}: the pieces of this "
+                "puzzle are not turned.")  # fmt: skip
     rows = 4 * joins.sides[:, [0, 2]] + joins.sides[:, [1, 3]]
     return np.sort(rows, axis=1).reshape(-1, 2)
 
@@ -180,7 +184,7 @@ def _revised(
 
 
 def _start_blocks(
-    n: int, locked: np.ndarray, forbidden: np.ndarray, wishes: Wishes, px: int
+    n: int, locked: np.ndarray, forbidden: np.ndarray, wishes: Wishes, px: int, frame: tuple[int, int] | None
 ) -> tuple[Blocks, np.ndarray]:
     """Blocks that the locked joins and pins make, and the group of each locked piece (-1: none).
 
@@ -193,6 +197,10 @@ def _start_blocks(
         for pin in pins:
             if not 0 <= pin.piece < n:
                 raise BadInput(f"There is no piece {pin.piece} to pin; pieces run from 0 to {n - 1}.")
+            if frame is not None and not (0 <= pin.x // px < frame[0] and 0 <= pin.y // px < frame[1]):
+                raise BadInput(
+                    f"Piece {pin.piece} is pinned outside the picture; pin it within {frame[0]} × {frame[1]} pieces."
+                )
             block[pin.piece] = pins[0].piece
             x[pin.piece], y[pin.piece], turns[pin.piece] = pin.x // px, pin.y // px, pin.quarter_turns % 4
         cells = {(pin.x // px, pin.y // px) for pin in pins}
@@ -224,7 +232,7 @@ def _order(
     if method == "lp":
         first = next(iter(layouts.values()), None) or complete(
             grow_blocks(found.pairs, assembly.by_probability(p, LEAST), job.start, job.rules)[0], found, job.evidence,
-            job.rules, groups=job.groups, pictures=job.puzzle.pictures, turned=job.puzzle.turned, missing=parameters.missing)  # fmt: skip
+            job.rules, groups=job.groups, pin=job.pin, pictures=job.puzzle.pictures, turned=job.puzzle.turned, missing=parameters.missing)  # fmt: skip
         return assembly.by_linear_programme(p, found, first.turns, rounds=12, least=0.05, progress=progress)
     if method in ("matchlift", "diffusion"):
         from .confirmation import confirm
@@ -280,7 +288,7 @@ def _solution(
     wishes: Wishes, seconds: dict[str, float], notes: tuple[str, ...],
 ) -> PuzzleSolution:  # fmt: skip
     puzzle, px = job.puzzle, job.puzzle.square or 1
-    layout = normalised(layouts[best], job.pin)
+    layout = layouts[best]
     sides, _, _ = _touching(layout)
     joins = joins_of(sides, _confidence(job, sides), px, _confirmations(job, sides, layout, confirmed, wishes))
     position = np.column_stack([layout.x, layout.y]) * px

@@ -6,6 +6,7 @@ import numpy as np
 
 from .pieces import LEFT, RIGHT, TOP, Piece, Puzzle, Truth
 from .solution import UNPLACED, PuzzleSolution
+from .turning import turned_vectors
 
 TOLERANCE = 1.5  # pixels by which a polygon may be off its true place beside another
 
@@ -42,12 +43,6 @@ def _layout(puzzle: Puzzle, picture: np.ndarray, position: np.ndarray, turns: np
     sizes = np.array([piece.mask.shape[::-1] for piece in puzzle.pieces])  # (w, h) as read
     sizes = np.where((turns % 2 == 1)[:, None], sizes[:, ::-1], sizes)
     return _Layout(picture, position + sizes / 2, turns % 4)
-
-
-def turned_vectors(vectors: np.ndarray, turns: np.ndarray) -> np.ndarray:
-    """Vectors (k, 2), y down, after clockwise quarter turns (k,)."""
-    x, y, t = vectors[:, 0], vectors[:, 1], turns % 4
-    return np.stack([np.choose(t, [x, -y, -x, y]), np.choose(t, [y, x, -y, -x])], axis=1)
 
 
 def score(puzzle: Puzzle, truth: Truth, solution: PuzzleSolution) -> Scores:

@@ -29,3 +29,9 @@ def turned_piece(piece: Piece, turns: int) -> Piece:
     h, w = piece.mask.shape
     polygon = from_the_top(turned_polygon(piece.polygon, (w, h), turns))
     return Piece(polygon, turned_raster(piece.image, turns), turned_raster(piece.mask, turns), piece.name)
+
+
+def turned_vectors(vectors: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """Vectors (k, 2), y down, after clockwise quarter turns (k,)."""
+    x, y, t = vectors[:, 0], vectors[:, 1], turns % 4
+    return np.stack([np.choose(t, [x, -y, -x, y]), np.choose(t, [y, x, -y, -x])], axis=1)

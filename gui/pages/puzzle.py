@@ -117,7 +117,6 @@ class PuzzlePage(QWidget):
         self.join.judge.answered.connect(self.judging.answer)
         self.judging.saved.connect(self.join.judge.state.setText)
         self.judging.advanced.connect(self.look)
-        self.hands.said.connect(lambda sentence: self.failed.emit(sentence, ""))
         self.solving.jobs.started.connect(lambda _: self._show_bar())
         self.solving.jobs.idle.connect(self._show_bar)
 

@@ -41,6 +41,7 @@ class PuzzleDesk(QObject):
         self.solving.failed.connect(self.window.say)
         self.solving.took.connect(self._took)
         self.solving.opened.connect(self._opened)
+        self.hands.said.connect(self.window.status.text.setText)
         self.session.changed.connect(self._changed)
         self.window.session.changed.connect(self._follow)
         self.window.jobs.idle.connect(self.show_status)

@@ -61,7 +61,7 @@ def why_text(joins: Joins, row: int, locked: bool) -> str:
     if locked:
         return "locked: it stays whatever the solver thinks"
     by = joins.confirmed_by[row]
-    return f"probably right with {share_text(float(joins.confidence[row]))} · {how.get(by, f'confirmed by {by}')}"
+    return f"confidence {share_text(float(joins.confidence[row]))} · {how.get(by, f'confirmed by {by}')}"
 
 
 def tip_text(state: PuzzleState, row: int) -> str:

@@ -18,7 +18,7 @@ from ..jobs import FOLLOW, SUPERSEDE, Jobs
 from ..session import Session
 from .puzzle_state import ASSEMBLE, NOTHING, PREPARE, Marks, PuzzleState, needed, opened, slow_values
 
-EXAMPLE_PIECES = 130
+EXAMPLE_PIECES = 300
 QUICK = 0.3  # seconds: an assembly as quick as this is shown at every step of a slider
 _FOLLOWED = {"puzzle", "parameters", "wishes", "asked", "prepared", "solution", "solved_with"}
 

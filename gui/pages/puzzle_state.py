@@ -127,10 +127,9 @@ def counts_text(state: PuzzleState) -> str:
     parts.append(f"{placed} placed" if placed < n else "all placed")
     if len(state.solution.joins):
         doubtful = int((state.solution.joins.confidence < state.below).sum())
-        parts.append(f"{doubtful} of {len(state.solution.joins)} joins below {share_text(state.below)}")
+        total = len(state.solution.joins)
+        parts.append(f"{total} joins" if state.below >= 1 else f"{doubtful} of {total} joins below {share_text(state.below)}")
     parts += [f"{len(which)} {word}" for which, word in wishes_counts(state.wishes) if len(which)]
-    if state.marks is not None and state.overlay:
-        parts.append(scores_text(state.marks.scores))
     return " · ".join(parts)
 
 
@@ -140,8 +139,14 @@ def wishes_counts(wishes: Wishes) -> tuple[tuple[Any, str], ...]:
 
 
 def scores_text(scores: Any) -> str:
-    """'pieces at their place .96 · true neighbours .95 · largest part .96 (tie-aware .99, .99)'."""
-    text = f"direct {share_text(scores.direct)} · neighbour {share_text(scores.neighbour)} · largest {share_text(scores.largest_component)}"
+    """'in place 96.2 % · true neighbours 95.8 % · largest part 96.0 %', and what counts equal pieces as equal."""
+    text = (f"in place {percent(scores.direct)} · true neighbours {percent(scores.neighbour)} · "
+            f"largest part {percent(scores.largest_component)}")  # fmt: skip
     if (scores.direct_tie_aware, scores.neighbour_tie_aware) != (scores.direct, scores.neighbour):
-        text += f" (equal pieces exchanged: {share_text(scores.direct_tie_aware)}, {share_text(scores.neighbour_tie_aware)})"
+        text += f" · equal pieces exchanged: {percent(scores.direct_tie_aware)}, {percent(scores.neighbour_tie_aware)}"
     return text
+
+
+def percent(share: float) -> str:
+    """'99.7 %'; never 100 where something is missing."""
+    return "100 %" if share >= 1 else f"{min(share, 0.999):.1%}".replace("%", " %")

@@ -112,7 +112,7 @@ class JoinCloseup(QWidget):
         self.theme, self.pair, self.slide = LIGHT, None, 0.0
         self._last: QPointF | None = None
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-        self.setFixedHeight(190)
+        self.setFixedHeight(224)
         self.setAccessibleName("Close-up of the join")
 
     def set_theme(self, theme: Theme) -> None:
@@ -174,7 +174,7 @@ class PartnerStrip(QWidget):
     """The likeliest partners of one side, side by side; a click looks at one."""
 
     picked = Signal(int)
-    SIZE, GAP, TEXT, MOST = 76, 6, 18, 4
+    SIZE, GAP, TEXT, MOST = 76, 6, 22, 4
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -209,9 +209,10 @@ class PartnerStrip(QWidget):
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.drawRect(box.adjusted(1, 1, -1, -1))
             painter.setPen(QPen(QColor(partner.colour), 4))
-            painter.drawLine(QPointF(box.left() + 2, box.bottom() + 3), QPointF(box.left() + 16, box.bottom() + 3))
+            middle = box.bottom() + self.TEXT / 2
+            painter.drawLine(QPointF(box.left() + 4, middle), QPointF(box.left() + 18, middle))
             painter.setPen(QColor(self.theme.ink if strong else self.theme.soft_ink))
-            words = QRectF(box.left() + 22, box.bottom() - 4, box.width() - 22, self.TEXT)
+            words = QRectF(box.left() + 26, box.bottom(), box.width() - 26, self.TEXT)
             painter.drawText(words, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, partner.confidence)
         painter.end()
 

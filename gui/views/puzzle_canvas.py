@@ -90,7 +90,7 @@ class PuzzleCanvas(QWidget):
         _, buttons = self._invitation
         if buttons is not None:
             buttons.adjustSize()
-            buttons.move((self.width() - buttons.width()) // 2, self.height() // 2 + 28)
+            buttons.move((self.width() - buttons.width()) // 2, self.height() // 2 + 36)
 
     @property
     def aspect(self) -> float:
@@ -128,8 +128,8 @@ class PuzzleCanvas(QWidget):
         ends = self.view.to_screen(segment)
         middle = ends.mean(axis=0)
         long = float(np.hypot(*(segment[1] - segment[0])))
-        scale = max(self.view.scale, 40.0 / max(long, 1))
-        inside = (middle > 60).all() and (middle < (self.width() - 60, self.height() - 60)).all()
+        scale = max(self.view.scale, 24.0 / max(long, 1))
+        inside = (middle > 16).all() and (middle < (self.width() - 16, self.height() - 16)).all()
         if inside and scale == self.view.scale:
             return
         x, y = segment.mean(axis=0)
@@ -207,7 +207,7 @@ class PuzzleCanvas(QWidget):
         painter.fillRect(self.rect(), QColor(self.theme.paper))
         layout = self.layout_shown
         if layout is None:
-            paint_message(painter, QRectF(self.rect()).adjusted(0, 0, 0, -40), self._invitation[0], self.theme, self._drop_wanted)
+            paint_message(painter, QRectF(self.rect()), self._invitation[0], self.theme, self._drop_wanted)
         else:
             paint_ground(painter, layout, self.view, self.theme)
             frame = self.render_frame()
@@ -221,7 +221,7 @@ class PuzzleCanvas(QWidget):
                 for piece in self._flashed:
                     outline(painter, self.view.to_screen(layout.polygon(piece)), self.theme)
             if self.overlay.caption:
-                paint_caption(painter, self.overlay.caption, self.theme)
+                paint_caption(painter, self.overlay.caption, self.height(), self.theme)
         painter.end()
 
     def _paint_carried(self, painter: QPainter) -> None:

@@ -209,11 +209,11 @@ def paint_padlock(painter: QPainter, x: float, y: float, theme: Theme) -> None:
     painter.setBrush(Qt.BrushStyle.NoBrush)
 
 
-def paint_caption(painter: QPainter, text: str, theme: Theme) -> None:
-    """A line of text on a plate in the upper left corner."""
+def paint_caption(painter: QPainter, text: str, height: int, theme: Theme) -> None:
+    """A line of text on a plate in the lower left corner of a window of that height."""
     painter.setFont(_font(painter, 13))
     metrics = painter.fontMetrics()
-    box = QRectF(8, 8, metrics.horizontalAdvance(text) + 20, metrics.height() + 8)
+    box = QRectF(8, height - metrics.height() - 14, metrics.horizontalAdvance(text) + 20, metrics.height() + 8)
     painter.setPen(_pen(QColor(theme.line), 1))
     painter.setBrush(QColor(theme.raised))
     painter.drawRoundedRect(box, 6, 6)

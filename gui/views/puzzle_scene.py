@@ -132,7 +132,7 @@ def ramp(share: np.ndarray, theme: Theme) -> np.ndarray:
 
 def widths(side: float) -> np.ndarray:
     """Line widths (BINS,) in screen pixels: doubtful joins thick, certain ones thin; less where a `side` is short."""
-    return np.maximum(1, np.round(np.linspace(4, 1.5, BINS) * np.clip(side / 32, 0.3, 1))).astype(np.int64)
+    return np.maximum(1, np.round(np.linspace(4, 1, BINS) * np.clip(side / 32, 0.3, 1))).astype(np.int64)
 
 
 def hit_join(segments: np.ndarray, x: float, y: float, radius: float) -> int:

@@ -11,7 +11,7 @@ from .puzzle_layout import Layout
 from .puzzle_scene import View
 
 MOST_PIXELS = 24_000_000  # of the sheet; larger puzzles are kept smaller, and sharpened piece by piece from close by
-SMALLEST_LEVEL = 256
+SMALLEST_LEVEL = 32
 MOST_SHARPENED = 80  # pieces that are drawn one by one where the sheet is too coarse
 CRISP = 2.0  # screen pixels for one of a piece from which on pixels are shown as squares
 

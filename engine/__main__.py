@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from .cli import progress_bar, run
-from .parameters import assignments, declared, read_values
+from .parameters import Parameters, assignments, declared, read_values
+from .puzzle_commands import mount
+from .puzzles.parameters import PuzzleParameters
 from .shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters, preset
 from .store import default_cache, output_folder
 
@@ -36,6 +38,7 @@ def build_app(draw: "PictureMaker" = no_pictures) -> App:
     app = App(name="concord", help="Find consistent correspondences between segmented shapes.", version=_version)
     app.command(list_parameters, name="parameters")
     app.command(make_shapes, name="make-shapes")
+    mount(app)
 
     @app.command
     def match(
@@ -163,20 +166,27 @@ def chosen_parameters(preset_name: str, settings: Sequence[str], file: Path | No
 
 def parameter_text() -> str:
     """Presets and parameters as plain text."""
-    lines = ["Presets (values that differ from the defaults):"]
+    lines = ["Presets of shapes (values that differ from the defaults):"]
     default = MatchParameters()
     for name, values in PRESETS.items():
         changes = ", ".join(f"{k}={v}" for k, v in values.differences(default).items()) or "the defaults"
         lines.append(f"  {name:<24}{changes}{'  [default]' if name == DEFAULT_PRESET else ''}")
-    group = ""
-    for info in declared(MatchParameters):
+    for title, model in (("Parameters of shapes", MatchParameters), ("Parameters of puzzles", PuzzleParameters)):
+        lines += ["", f"{title}", *_described(model)]
+    return "\n".join(lines)
+
+
+def _described(model: type[Parameters]) -> list[str]:
+    """The parameters of a model, one line each, under the names of their groups."""
+    lines, group = [], ""
+    for info in declared(model):
         if info.group != group:
             group = info.group
             lines += ["", f"{group}:"]
         kinds = "|".join(info.choices) if info.choices else "true|false" if info.kind == "switch" else f"{info.low:g}..{info.high:g}"
         details = [d for d in (info.symbol, info.unit, info.source, *info.methods) if d]
         lines.append(f"  {info.name:<20}{info.default!s:<12}{kinds:<40}{info.doc}" + (f" [{', '.join(details)}]" if details else ""))
-    return "\n".join(lines)
+    return lines
 
 
 def _version() -> str:

@@ -3,7 +3,6 @@
 import csv
 import io
 import json
-import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .shapes.result import MatchResult, ShapeRecord
+from .spreadsheet import safe_cell
 from .store import write_together
 
 SCHEMA = "concord.matches/1"
@@ -63,16 +63,6 @@ def result_to_csv(result: MatchResult) -> str:
         writer.writerow([m.id, safe_cell(source), safe_cell(target), f"{m.score:.6f}", m.votes, m.source_layer,
                          m.target_layer, f"{m.similarity:.6f}"])  # fmt: skip
     return text.getvalue()
-
-
-def safe_cell(text: str) -> str:
-    """Text that no spreadsheet takes for a formula: those that begin with = + - @ get a leading apostrophe."""
-    return "'" + text if text[:1] in ("=", "+", "-", "@", "\t", "\r") and not _is_number(text) else text
-
-
-def _is_number(text: str) -> bool:
-    """Whether the text is a number, or whole numbers joined by semicolons."""
-    return re.fullmatch(r"[+-]?\d+(\.\d*)?|[+-]?\d+(;[+-]?\d+)*", text) is not None
 
 
 def write_matches(result: MatchResult, folder: Path | str, *, report: str = "") -> list[Path]:

@@ -8,11 +8,12 @@ import pytest
 
 from engine.__main__ import main, parameter_text, preset_name
 from engine.errors import BadInput
-from engine.matchfile import result_to_json, safe_cell, write_matches
+from engine.matchfile import result_to_json, write_matches
 from engine.parameters import declared
 from engine.report import report_page
 from engine.shapes.matching import match_shapes
 from engine.shapes.parameters import MatchParameters, preset
+from engine.spreadsheet import safe_cell
 from engine.store import output_folder, write_atomically
 
 OUTPUTS = {"matches.json", "matches.csv", "parameters.json", "report.html"}

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit, prange
 
-from ..progress import Progress
-from .measures import Strips, dissimilarity_of_pairs
+from ..progress import Progress, share
+from .measures import Strips, across, dissimilarity_of_pairs, side_strips, smoothed
 from .shortlist import mgc_forms, nearest, pairs_of, ssd_forms
 
 
@@ -37,12 +37,16 @@ def candidates_of(pairs: np.ndarray, sides: int) -> Candidates:
     return Candidates(pairs, start, both[order, 1], order % max(len(pairs), 1))
 
 
-def shortlist(strips: Strips, *, turned: bool, by_mgc: int, by_ssd: int, progress: Progress) -> Candidates:
-    """The candidates of n square pieces: the nearest of each side by MGC and by SSD in L*a*b*."""
+def shortlist(strips: Strips, *, turned: bool, by_mgc: int, by_ssd: int, worn: bool, progress: Progress) -> Candidates:
+    """The candidates of n square pieces: the nearest of each side by MGC and by SSD in L*a*b*; where borders are `worn`
+    three times as many, and colours are smoothed."""
     n = len(strips.outer) // 4
+    colours = smoothed(strips.lab(), 5) if worn else strips.lab()
+    more = 3 if worn else 1
+    halves = share(progress, 0.0, 0.6), share(progress, 0.6, 1.0)
     lists = [
-        nearest(mgc_forms(strips), n, by_mgc, turned=turned, progress=progress),
-        nearest(ssd_forms(strips.lab()), n, by_ssd, turned=turned, progress=lambda share, words: progress(1.0, words)),
+        nearest(mgc_forms(strips), n, more * by_mgc, turned=turned, progress=halves[0]),
+        nearest(ssd_forms(colours), n, more * by_ssd, turned=turned, progress=halves[1]),
     ]
     return candidates_of(pairs_of(lists), 4 * n)
 
@@ -79,25 +83,42 @@ def gallagher_ratio(values: np.ndarray, candidates: Candidates) -> np.ndarray:
     return (values + epsilon) / (rival_values(values, candidates).min(axis=1) + epsilon)
 
 
-FEATURE_MEASURES = ("mgc-root", "pt", "lpq", "ssd-lab", "emd-lab")
+Looks = list[tuple[str, Strips, bool]]  # a measure, the strips that it looks at, and whether its value counts too
 
 
-def border_features(candidates: Candidates, strips: Strips, progress: Progress) -> np.ndarray:
-    """What the borders say of each candidate, (c, f) float32: for each measure the log ratio to the best rival at the
-    worse and at the better end, then the plain values and the contrast of both borders on log scales."""
+def looks_of(rasters: np.ndarray, worn: bool) -> Looks:
+    """What the features of candidates look at: the borders; where they are `worn` also what lies further apart and
+    deeper, and what smoothing leaves."""
+    strips = side_strips(rasters)
+    looks = [("mgc-root", strips, True), ("pt", strips, True), ("lpq", strips, False), ("ssd-lab", strips, False),
+             ("emd-lab", strips, True)]  # fmt: skip
+    if worn:
+        deep = side_strips(rasters, rows=2)
+        looks += [("mgc-root", across(strips, 3.0), True), ("mgc-root", across(strips, 6.0), False),
+                  ("ssd-lab", smoothed(strips, 5), True), ("mgc-root", deep, True), ("pt", smoothed(deep, 3), False),
+                  ("emd-lab", deep, False)]  # fmt: skip
+    return looks
+
+
+def border_features(candidates: Candidates, looks: Looks, turned: bool, progress: Progress) -> np.ndarray:
+    """What the borders say of each candidate, (c, f) float32: for each look the log ratio to the best rival at the
+    worse and at the better end, and some plain values on a log scale; then the contrast of both borders, the size of
+    the sides and whether pieces are `turned`."""
     columns = []
+    strips = looks[0][1]
     length = strips.outer.shape[1]
-    for number, measure in enumerate(FEATURE_MEASURES):
-        values = dissimilarity_of_pairs(measure, strips, candidates.pairs, parts=2)
-        epsilon = 1e-4 * float(np.median(values)) + 1e-9
+    for number, (measure, seen, plain) in enumerate(looks):
+        values = dissimilarity_of_pairs(measure, seen, candidates.pairs, parts=2)
+        epsilon = 1e-4 * float(np.median(values)) + 1e-9 if len(values) else 1.0
         ratio = np.log(((values[:, None] + epsilon) / (rival_values(values, candidates) + epsilon)).clip(0.01, 60))
         columns += [ratio.max(axis=1), ratio.min(axis=1)]
-        if measure in ("mgc-root", "pt", "emd-lab"):
+        if plain:
             columns.append(np.log(values / length + 0.005))
-        progress((number + 1) / len(FEATURE_MEASURES), "measuring joins")
+        progress((number + 1) / len(looks), "measuring joins")
     contrast = np.log(strips.outer.std(axis=1).mean(axis=1) + 0.3)
     ends = contrast[candidates.pairs]
-    columns += [ends.max(axis=1), ends.min(axis=1), np.full(candidates.count, np.log(length / 28))]
+    columns += [ends.max(axis=1), ends.min(axis=1)]
+    columns += [np.full(candidates.count, np.log(length / 28)), np.full(candidates.count, float(turned))]
     return np.stack(columns, axis=1).astype(np.float32)
 
 

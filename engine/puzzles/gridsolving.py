@@ -20,6 +20,7 @@ from .solution import UNPLACED, Joins, PuzzleSolution, Wishes
 
 LEAST = 0.4  # probability below which no method joins blocks before contacts are summed
 SURE_ENOUGH = 0.5  # the default tries other ways where joins of the first are less likely than this
+LEAST_JOINED = 0.6  # share of sides surely joined below which borders may be worn
 MOST_FOR_LP = 4000  # pieces up to which the default tries the linear programme too
 
 
@@ -41,26 +42,41 @@ class PreparedGrid:
 def prepare_grid(puzzle: Puzzle, parameters: PuzzleParameters, *, progress: Progress = silent) -> PreparedGrid:
     """Compare all sides, list the likely partners of each and say how probable each join is."""
     began = time.perf_counter()
-    strips = side_strips(puzzle.rasters())
-    found = shortlist(strips, turned=puzzle.turned, by_mgc=parameters.listed, by_ssd=parameters.listed_by_colour,
-                      progress=share(progress, 0.0, 0.5))  # fmt: skip
-    listed = time.perf_counter()
-    value, probability, notes = _probabilities(puzzle, strips, found, parameters, share(progress, 0.5, 0.95))
+    rasters = puzzle.rasters()
+    strips = side_strips(rasters)
+    worn, notes = parameters.wear == "worn", ()
+    found, value, probability = _measured(puzzle, rasters, strips, parameters, worn, share(progress, 0.0, 0.6))
+    if (
+        parameters.wear == "auto"
+        and parameters.measure == "learned"
+        and surely_joined(probability, found) < LEAST_JOINED
+    ):
+        again = _measured(puzzle, rasters, strips, parameters, True, share(progress, 0.6, 0.95))
+        if surely_joined(again[2], again[0]) > surely_joined(probability, found):
+            found, value, probability = again
+            notes = ("The borders of the pieces seem to have suffered; they are compared as worn ones.",)
     gathered = evidence(strips, found, probability)
-    seconds = {"candidates": listed - began, "probabilities": time.perf_counter() - listed}
     progress(1.0, "joins measured")
+    seconds = {"joins": time.perf_counter() - began}
     return PreparedGrid(puzzle, strips, found, value, probability, gathered, parameters, seconds, notes)
 
 
-def _probabilities(
-    puzzle: Puzzle, strips: Strips, found: Candidates, parameters: PuzzleParameters, progress: Progress
-) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
-    """The measure's value (odds against, for the learned one), the probability of each candidate, and notes."""
+def surely_joined(probability: np.ndarray, candidates: Candidates) -> float:
+    """The share of sides that have a partner with a probability above 0.9."""
+    return len(np.unique(candidates.pairs[probability > 0.9])) / max(len(candidates.start) - 1, 1)
+
+
+def _measured(
+    puzzle: Puzzle, rasters: np.ndarray, strips: Strips, parameters: PuzzleParameters, worn: bool, progress: Progress
+) -> tuple[Candidates, np.ndarray, np.ndarray]:
+    """Candidates, the measure's value (odds against by the borders alone, for the learned one) and the probability."""
+    found = shortlist(strips, turned=puzzle.turned, by_mgc=parameters.listed, by_ssd=parameters.listed_by_colour,
+                      worn=worn, progress=share(progress, 0.0, 0.5))  # fmt: skip
     if parameters.measure != "learned":
-        return *single_probability(parameters.measure, found, strips), ()
-    worn = parameters.wear == "worn"
-    first, last = learned_probability(found, strips, turned=puzzle.turned, worn=worn, progress=progress)
-    return (1 - first) / (first + 1e-6), last, ()
+        return found, *single_probability(parameters.measure, found, strips)
+    first, last = learned_probability(
+        found, rasters, turned=puzzle.turned, worn=worn, progress=share(progress, 0.5, 1.0))  # fmt: skip
+    return found, (1 - first) / (first + 1e-6), last
 
 
 def assemble_grid(

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..progress import Progress, share
-from .candidates import Candidates, border_features, context_features, exclusive, gallagher_ratio
+from .candidates import Candidates, border_features, context_features, exclusive, gallagher_ratio, looks_of
 from .measures import Strips, dissimilarity_of_pairs
 
 FILE = Path(__file__).with_name("learned.json")
@@ -42,7 +42,7 @@ def network(net: dict[str, Any], inputs: np.ndarray) -> np.ndarray:
 
 
 def learned_probability(
-    candidates: Candidates, strips: Strips, *, turned: bool, worn: bool, progress: Progress
+    candidates: Candidates, rasters: np.ndarray, *, turned: bool, worn: bool, progress: Progress
 ) -> tuple[np.ndarray, np.ndarray]:
     """The probability of each candidate by its borders alone and after its neighbourhood was heard, both (c,) float64.
 
@@ -50,9 +50,7 @@ def learned_probability(
     candidate, with the probabilities of the round before. No side's probabilities sum to more than 1.
     """
     nets = weights()["worn" if worn else "clean"]
-    borders = border_features(candidates, strips, share(progress, 0.0, 0.7))
-    way = np.full((candidates.count, 1), float(turned), dtype=np.float32)
-    borders = np.concatenate([borders, way], axis=1)
+    borders = border_features(candidates, looks_of(rasters, worn), turned, share(progress, 0.0, 0.7))
     first = probability = exclusive(network(nets["border"], borders), candidates)
     for number, net in enumerate(nets["context"]):
         progress(0.7 + 0.3 * number / len(nets["context"]), "looking for loops")

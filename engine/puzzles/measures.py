@@ -34,11 +34,12 @@ _DUMMIES = np.array(
 @dataclass(frozen=True, slots=True, eq=False)
 class Strips:
     """Border pixels of s sides: `outer` and `inner` (s, L, 3) float32 RGB in 0..255, clockwise; `gap` is the distance
-    in pixels between the two strips."""
+    in pixels between the two strips, `seam` that between facing borders (1 where nothing was lost)."""
 
     outer: np.ndarray
     inner: np.ndarray
     gap: float = 1.0
+    seam: float = 1.0
 
     def __post_init__(self) -> None:
         for name in ("outer", "inner"):
@@ -47,11 +48,24 @@ class Strips:
 
     def part(self, start: int, stop: int) -> "Strips":
         """The pixels start..stop-1 of each side: a sub-edge."""
-        return Strips(self.outer[:, start:stop], self.inner[:, start:stop], self.gap)
+        return Strips(self.outer[:, start:stop], self.inner[:, start:stop], self.gap, self.seam)
 
     def lab(self) -> "Strips":
         """The same strips in CIE L*a*b*."""
-        return Strips(to_lab(self.outer), to_lab(self.inner), self.gap)
+        return Strips(to_lab(self.outer), to_lab(self.inner), self.gap, self.seam)
+
+
+def smoothed(strips: Strips, width: int) -> Strips:
+    """The same strips, each value the mean of `width` (odd) pixels along the side; ends are repeated."""
+    from scipy.ndimage import uniform_filter1d
+
+    outer, inner = (uniform_filter1d(a, width, axis=1, mode="nearest") for a in (strips.outer, strips.inner))
+    return Strips(outer, inner, strips.gap, strips.seam)
+
+
+def across(strips: Strips, seam: float) -> Strips:
+    """The same strips for pieces whose facing borders lie `seam` pixels apart."""
+    return Strips(strips.outer, strips.inner, strips.gap, seam)
 
 
 def to_lab(colours: np.ndarray) -> np.ndarray:
@@ -66,15 +80,20 @@ def to_lab(colours: np.ndarray) -> np.ndarray:
     )
 
 
-def side_strips(rasters: np.ndarray, depth: int = 0) -> Strips:
+def side_strips(rasters: np.ndarray, rows: int = 1) -> Strips:
     """The strips of all sides of n square pieces (n, px, px, 3): row 4 i + side, sides top, right, bottom, left.
 
-    `depth` takes the strips that many pixels further in.
+    Each strip is the mean of `rows` pixel rows.
     """
-    turned = np.stack([np.rot90(rasters, k, axes=(1, 2)) for k in range(4)], axis=1)  # each side comes to the top
-    n, _, px = turned.shape[:3]
-    deeper = min(depth + 1, turned.shape[2] - 1)
-    return Strips(turned[:, :, depth].reshape(4 * n, px, 3), turned[:, :, deeper].reshape(4 * n, px, 3))
+    n, px = rasters.shape[:2]
+    rows = min(rows, px // 2)
+    strips = []
+    for first in (0, rows):
+        sides = [
+            np.rot90(rasters, k, axes=(1, 2))[:, first : first + rows].mean(axis=1, dtype=np.float32) for k in range(4)
+        ]
+        strips.append(np.stack(sides, axis=1).reshape(4 * n, px, 3))  # each side came to the top
+    return Strips(strips[0], strips[1], gap=float(rows), seam=float(rows))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,7 +150,7 @@ def dissimilarity(measure: str, strips: Strips, rows: np.ndarray, columns: np.nd
         )
     m = measured(measure, strips, parts)
     result = np.empty((len(rows), len(columns)))
-    _dense(m.code, m.outer, m.inner, m.mean, m.inverse, strips.gap, rows, columns, max(parts, 1), result)
+    _dense(m.code, m.outer, m.inner, m.mean, m.inverse, strips.seam, rows, columns, max(parts, 1), result)
     return result
 
 
@@ -143,25 +162,25 @@ def dissimilarity_of_pairs(measure: str, strips: Strips, pairs: np.ndarray, part
         return np.sqrt(pt + 1e-3) * root
     m = measured(measure, strips, parts)
     result = np.empty(len(pairs))
-    _sparse(m.code, m.outer, m.inner, m.mean, m.inverse, strips.gap, pairs, max(parts, 1), result)
+    _sparse(m.code, m.outer, m.inner, m.mean, m.inverse, strips.seam, pairs, max(parts, 1), result)
     return result
 
 
 @njit(cache=True, nogil=True, parallel=True)
-def _dense(code, outer, inner, mean, inverse, gap, rows, columns, parts, result):  # type: ignore[no-untyped-def]
+def _dense(code, outer, inner, mean, inverse, seam, rows, columns, parts, result):  # type: ignore[no-untyped-def]
     for i in prange(len(rows)):
         for j in range(len(columns)):
-            result[i, j] = _pair(code, outer, inner, mean, inverse, gap, rows[i], columns[j], parts)
+            result[i, j] = _pair(code, outer, inner, mean, inverse, seam, rows[i], columns[j], parts)
 
 
 @njit(cache=True, nogil=True, parallel=True)
-def _sparse(code, outer, inner, mean, inverse, gap, pairs, parts, result):  # type: ignore[no-untyped-def]
+def _sparse(code, outer, inner, mean, inverse, seam, pairs, parts, result):  # type: ignore[no-untyped-def]
     for i in prange(len(pairs)):
-        result[i] = _pair(code, outer, inner, mean, inverse, gap, pairs[i, 0], pairs[i, 1], parts)
+        result[i] = _pair(code, outer, inner, mean, inverse, seam, pairs[i, 0], pairs[i, 1], parts)
 
 
 @njit(cache=True, nogil=True)
-def _pair(code, outer, inner, mean, inverse, gap, r, c, parts):  # type: ignore[no-untyped-def]
+def _pair(code, outer, inner, mean, inverse, seam, r, c, parts):  # type: ignore[no-untyped-def]
     if code == SSD:
         return ssd(outer[r], outer[c])
     if code == LPQ:
@@ -169,9 +188,9 @@ def _pair(code, outer, inner, mean, inverse, gap, r, c, parts):  # type: ignore[
     if code == PT:
         return predicted_l1(outer[r], inner[r], outer[c], inner[c])
     if code == MGC:
-        return mgc(outer[r], mean[r], inverse[r], outer[c], mean[c], inverse[c], gap, False)
+        return mgc(outer[r], mean[r], inverse[r], outer[c], mean[c], inverse[c], seam, False)
     if code == MGC_ROOT:
-        return mgc(outer[r], mean[r], inverse[r], outer[c], mean[c], inverse[c], gap, True)
+        return mgc(outer[r], mean[r], inverse[r], outer[c], mean[c], inverse[c], seam, True)
     return emd(outer[r], outer[c], parts)
 
 
@@ -211,10 +230,10 @@ def lpq(a, a_in, b, b_in):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def mgc(a, mean_a, inverse_a, b, mean_b, inverse_b, gap, root):  # type: ignore[no-untyped-def]
+def mgc(a, mean_a, inverse_a, b, mean_b, inverse_b, seam, root):  # type: ignore[no-untyped-def]
     """Mahalanobis gradient compatibility: D_ab + D_ba over the pixels, with a square root per pixel if `root`.
 
-    `gap` is the distance in pixels between the strips that the mean gradients were taken over: they are per pixel.
+    `seam` is the distance in pixels between the two borders, over which the mean gradients are expected to go on.
     """
     n, total = len(a), 0.0
     for p in range(n):
@@ -222,8 +241,8 @@ def mgc(a, mean_a, inverse_a, b, mean_b, inverse_b, gap, root):  # type: ignore[
         d0 = np.float64(b[o, 0]) - a[p, 0]
         d1 = np.float64(b[o, 1]) - a[p, 1]
         d2 = np.float64(b[o, 2]) - a[p, 2]
-        x = _mahalanobis(d0 - mean_a[0], d1 - mean_a[1], d2 - mean_a[2], inverse_a)
-        y = _mahalanobis(-d0 - mean_b[0], -d1 - mean_b[1], -d2 - mean_b[2], inverse_b)
+        x = _mahalanobis(d0 - seam * mean_a[0], d1 - seam * mean_a[1], d2 - seam * mean_a[2], inverse_a)
+        y = _mahalanobis(-d0 - seam * mean_b[0], -d1 - seam * mean_b[1], -d2 - seam * mean_b[2], inverse_b)
         total += np.sqrt(x) + np.sqrt(y) if root else x + y
     return total
 

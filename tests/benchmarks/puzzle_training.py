@@ -26,6 +26,7 @@ from engine.puzzles.candidates import (
     context_features,
     exclusive,
     gallagher_ratio,
+    looks_of,
     shortlist,
 )  # fmt: skip
 from engine.puzzles.cutting import cut
@@ -67,10 +68,10 @@ def sample(path: Path, mode: str, columns: int, px: int, seed: int, turned: bool
     if wear:
         puzzle, truth = worn(puzzle, truth, wear, seed)
         px = puzzle.square or px
-    strips = side_strips(puzzle.rasters())
-    found = shortlist(strips, turned=turned, by_mgc=12, by_ssd=4, progress=silent)
-    features = border_features(found, strips, silent)
-    features = np.concatenate([features, np.full((len(features), 1), turned, dtype=np.float32)], axis=1)
+    rasters = puzzle.rasters()
+    strips = side_strips(rasters)
+    found = shortlist(strips, turned=turned, by_mgc=12, by_ssd=4, worn=bool(wear), progress=silent)
+    features = border_features(found, looks_of(rasters, bool(wear)), turned, silent)
     right = true_partners(truth, px)[found.pairs[:, 0]] == found.pairs[:, 1]
     name = f"{path.stem} {mode or 'plain'} {px} px{' turned' if turned else ''} {wear}"
     return Sample(name, found, strips, features, right)

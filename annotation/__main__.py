@@ -13,8 +13,8 @@ from engine.store import write_atomically
 from .exchange import merge as merge_files
 from .exchange import votes_csv
 from .majority import Answer
-from .matchesfile import read_matches
 from .precision import ballots, precision_table
+from .resultfile import read_results
 from .stamps import app_version
 from .study import DEFAULT_QUESTION, add_run, create_study, open_study, record_vote
 from .tabletext import TableFormat, render
@@ -40,7 +40,7 @@ def create(
     name: str = "",
     question: str = DEFAULT_QUESTION,
 ) -> None:
-    """Make a study FILE of the results in MATCHES (files matches.json).
+    """Make a study FILE of the results in MATCHES (files matches.json of shapes, solution.json of puzzles).
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def create(
     question
         The question that volunteers are asked.
     """
-    runs = [read_matches(path, set_name) for path in matches or ()]
+    runs = [read_results(path, set_name) for path in matches or ()]
     with create_study(file, name=name or file.stem, question=question) as handle:
         for run in runs:
             add_run(handle, run)
@@ -62,7 +62,7 @@ def create(
 
 @app.command
 def add(file: Path, matches: list[Path], /, *, set_name: SetName = "") -> None:
-    """Add results in MATCHES (files matches.json) to the study FILE; votes already given stay.
+    """Add results in MATCHES (matches.json of shapes, solution.json of puzzles) to a study; votes already given stay.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def add(file: Path, matches: list[Path], /, *, set_name: SetName = "") -> None:
     matches
         Results to add; what is known already is not added twice.
     """
-    runs = [read_matches(path, set_name) for path in matches]
+    runs = [read_results(path, set_name) for path in matches]
     with open_study(file) as handle:
         for run in runs:
             add_run(handle, run)

@@ -62,4 +62,4 @@ def without_frame(puzzle: Puzzle) -> Puzzle:
 
 
 def _file(path: Path) -> dict[str, str]:
-    return {"name": path.name, "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
+    return {"name": path.name, "path": str(path.absolute()), "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}

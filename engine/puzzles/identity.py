@@ -40,6 +40,11 @@ def puzzle_id(puzzle: Puzzle) -> str:
     return digest(b"puzzle", *(piece.encode() for piece in sorted(piece_ids(puzzle))))
 
 
+def reading_id(puzzle: Puzzle) -> str:
+    """Hash of all pieces in the order and turn in which they were read: what piece numbers and joins refer to."""
+    return digest(b"reading", *(turns[0].encode() for turns in standing_ids(puzzle)))
+
+
 def join_ids(puzzle: Puzzle, joins: Joins) -> tuple[str, ...]:
     """One hash a join (j,): of what the two pieces look like when they are put together."""
     return tuple(_join_id(puzzle, joins, row) for row in range(len(joins)))

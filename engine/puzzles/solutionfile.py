@@ -14,7 +14,7 @@ from ..errors import BadInput, BadParameter
 from ..parameters import checked
 from ..spreadsheet import safe_cell
 from ..store import write_together
-from .identity import puzzle_id
+from .identity import puzzle_id, reading_id
 from .imagefile import png_bytes
 from .parameters import PuzzleParameters
 from .pieces import SIDE_NAMES, Puzzle
@@ -33,7 +33,8 @@ def solution_to_json(
     Pieces are numbered from 0 in the order of `names`. `x`, `y` are the top-left pixel of the turned piece in the
     assembled picture `picture`; sides count clockwise from the topmost, leftmost corner of a piece as it was read
     (squares: 0 top, 1 right, 2 bottom, 3 left). In a join, `dx`, `dy`, `quarter_turns` say how b lies to a while a
-    stands as it was read. `source` says what the puzzle was made of, so that the run can be repeated.
+    stands as it was read. `source` says what the puzzle was made of, so that the run can be repeated; `pieces_sha256` is
+    the hash of the pieces in their order and turn, `puzzle_sha256` of the pieces in any.
     """
     where, order = solution.picture, np.flatnonzero(solution.placed)
     return {
@@ -41,6 +42,7 @@ def solution_to_json(
         "puzzle": puzzle.name,
         "source": dict(source or {}),
         "puzzle_sha256": puzzle_id(puzzle),
+        "pieces_sha256": reading_id(puzzle),
         "pieces": puzzle.count,
         "pictures": [{"width": int(w), "height": int(h)} for w, h in solution.sizes],
         "placed": [

@@ -6,10 +6,14 @@ import json
 
 import pytest
 from judging_world import CANDLE, LAMP, ONE_TO_ONE, VASE, identity, result, study_of
+from puzzle_world import picture, solved
 
 from annotation import study
 from annotation.__main__ import main
 from engine.matchfile import result_to_json, write_matches
+from engine.puzzles.gathering import Cutting, gather
+from engine.puzzles.imagefile import png_bytes
+from engine.puzzles.solutionfile import write_solution
 
 FOOT = identity(LAMP, (0,), VASE, (0,))
 
@@ -118,4 +122,41 @@ def test_missing_and_binary_files_of_matches(tmp_path, capsys):
     (tmp_path / "b.json").write_bytes(bytes(range(256)))
     assert "No such file" in fails(capsys, "create", tmp_path / "a.db", tmp_path / "none.json")
     assert "b.json" in fails(capsys, "create", tmp_path / "a.db", tmp_path / "b.json")
+    assert not (tmp_path / "a.db").exists()
+
+
+def solution_file(folder, seed=0, measure="mgc"):
+    """A solved puzzle as the command `solve` writes it, its picture in the folder above."""
+    folder.mkdir()
+    (folder.parent / "noise.png").write_bytes(png_bytes(picture()))
+    puzzle, truth, source = gather([folder.parent / "noise.png"], Cutting(piece_size=8, seed=seed))
+    write_solution(folder, puzzle, solved(puzzle, truth, measure=measure), source=source)
+    return folder / "solution.json"
+
+
+def test_solutions_of_puzzles_are_added_beside_matches(tmp_path, matches, capsys):
+    file = tmp_path / "both.db"
+    assert run("create", file, solution_file(tmp_path / "one"), matches, "--set", "first") == 0
+    assert "20 matches of 2 results" in capsys.readouterr().out
+    assert run("add", file, solution_file(tmp_path / "two", seed=4, measure="ssd"), "--set", "first") == 0
+    with study.open_study(file) as handle:
+        assert len(study.items(handle, "anna")) == 3 + 17  # cut again, the same joins
+        join = next(item for item in study.items(handle, "anna") if item.kind == "puzzle")
+    assert run("vote", file, "--volunteer", "anna", "--item", join.id, "--answer", "correct") == 0
+    capsys.readouterr()
+    assert run("table", file, "--format", "csv") == 0
+    rows = {(row["method"], row["preset"]): row for row in csv.DictReader(io.StringIO(capsys.readouterr().out))}
+    assert {kind: rows[kind]["correct"] for kind in (("loops", "mgc"), ("loops", "ssd"))} == {
+        ("loops", "mgc"): "1", ("loops", "ssd"): "1"}  # fmt: skip
+    assert rows["top-down", "top-down"]["judged"] == "0"
+
+
+def test_a_solution_that_cannot_be_used_is_one_sentence(tmp_path, capsys):
+    path = solution_file(tmp_path / "one")
+    (tmp_path / "noise.png").unlink()
+    assert "noise.png" in fails(capsys, "create", tmp_path / "a.db", path)
+    path.write_text('{"schema": "concord.solution/1"}')
+    assert "damaged" in fails(capsys, "create", tmp_path / "a.db", path)
+    path.write_text('{"schema": "concord.solution/9"}')
+    assert "solution.json" in fails(capsys, "create", tmp_path / "a.db", path)
     assert not (tmp_path / "a.db").exists()

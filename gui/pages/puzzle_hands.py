@@ -84,7 +84,8 @@ class Hands(QObject):
         picture = nearest_picture(layout, middle)
         corner = layout.pictures[picture][:2] if layout.pictures else (x, y)
         turns = int(before.turns[piece]) if placed else 0
-        goal = self._inside(Pin(piece, x - int(corner[0]), y - int(corner[1]), turns))
+        goal = Pin(piece, x - int(corner[0]), y - int(corner[1]), turns)
+        goal = within(state, goal, layout.pictures[picture][2:] if layout.pictures else None)
         carried = [goal]
         if placed:
             step = (goal.x - int(before.position[piece][0]), goal.y - int(before.position[piece][1]))
@@ -121,18 +122,10 @@ class Hands(QObject):
         else:
             self.said.emit("No join is less certain than the slider says; move it to the right to see more.")
 
-    def _inside(self, goal: Pin) -> Pin:
-        """A pin that does not reach out of a known frame."""
-        puzzle = self.session.state.puzzle
-        if puzzle.frame is None:
-            return goal
-        w, h = turned_sizes(outlines(puzzle).size[[goal.piece]], np.array([goal.quarter_turns]))[0].tolist()
-        return goal._replace(x=max(0, min(goal.x, puzzle.frame[0] - w)), y=max(0, min(goal.y, puzzle.frame[1] - h)))
-
     def _hold(self, before: PuzzleSolution, carried: list[Pin], wishes: Wishes, picture: int, piece: int) -> None:
         puzzle = self.session.state.puzzle
         solution = placed_by_hand(puzzle, before, carried, picture)
-        if puzzle.frame is None:
+        if not frame_known(self.session.state):
             solution, wishes = shifted(puzzle, solution, wishes)
         self._wish(wishes, solution=solution, selected=None, preview=None, piece=piece)
 
@@ -146,6 +139,22 @@ def pin_of(solution: PuzzleSolution, piece: int) -> Pin:
     """A piece held where a solution has it."""
     x, y = solution.position[piece].tolist()
     return Pin(piece, x, y, int(solution.turns[piece]))
+
+
+def frame_known(state: PuzzleState) -> bool:
+    """Whether the picture's size is known and may be used."""
+    return state.puzzle.frame is not None and state.parameters.frame == "known"
+
+
+def within(state: PuzzleState, goal: Pin, size: tuple[float, float] | None) -> Pin:
+    """A pin that does not reach out of a picture of known size (w, h); equal squares stand on their grid."""
+    px = state.puzzle.square
+    if px:
+        goal = goal._replace(x=px * round(goal.x / px), y=px * round(goal.y / px))
+    if size is None or not frame_known(state):
+        return goal
+    w, h = turned_sizes(outlines(state.puzzle).size[[goal.piece]], np.array([goal.quarter_turns]))[0].tolist()
+    return goal._replace(x=max(0, min(goal.x, int(size[0]) - w)), y=max(0, min(goal.y, int(size[1]) - h)))
 
 
 def nearest_picture(layout: Layout, at: np.ndarray) -> int:

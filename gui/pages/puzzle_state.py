@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -19,7 +19,8 @@ NOTHING, ASSEMBLE, PREPARE = "nothing", "assemble", "prepare"
 _SLOW = tuple(info.name for info in declared(PuzzleParameters) if not info.live)
 
 
-class Marks(NamedTuple):
+@dataclass(frozen=True, slots=True, eq=False)
+class Marks:
     """A solution beside the truth: its scores, and which pieces (n,) and joins (j,) are right."""
 
     scores: Any

@@ -9,8 +9,13 @@ def snapped(layout: Layout, carried: frozenset[int], piece: int, x: float, y: fl
     """The top-left pixel where a piece held at (x, y) on the canvas comes to rest, and whether something held it there.
 
     Of all corners of placed pieces and of the pictures, the nearest to one of its own corners pulls it, if it is
-    within `reach`. The pieces that are `carried` along do not attract it.
+    within `reach`. The pieces that are `carried` along do not attract it. Equal squares take the cells of the picture
+    that they are held over.
     """
+    px, size = layout.puzzle.square, layout.size[piece]
+    for area in layout.pictures if px else ():
+        if area.holds(x + size[0] / 2, y + size[1] / 2):
+            return int(area.x) + px * round((x - area.x) / px), int(area.y) + px * round((y - area.y) / px), True
     shape = outlines(layout.puzzle)
     turned = turned_corners(shape, layout.turns)
     own = turned[shape.first[piece] : shape.first[piece + 1]] + np.array([x, y])

@@ -156,12 +156,19 @@ def test_a_picture_grows_along_its_most_certain_joins():
 
 def test_a_carried_piece_snaps_to_the_nearest_corner_within_reach_and_not_to_its_company(square):
     puzzle, solution, _ = square
+    uneven = Puzzle((*puzzle.pieces[:3], flat([9, 9, 9], 4, 5)))  # squares alone take cells instead
     spread = replace(solution, position=np.array([[0, 0], [20, 0], [0, 20], [30, 30]]), sizes=np.array([[40, 40]]))
-    layout = arrange(puzzle, spread)
+    layout = arrange(uneven, spread)
     assert snapped(layout, frozenset({1}), 1, 4.8, 0.6, 1.5) == (4, 0, True)
     assert snapped(layout, frozenset({1}), 1, 4.8, 2.6, 1.5) == (5, 3, False)
     assert snapped(layout, frozenset({0, 1}), 1, 4.2, 1.6, 1.0) == (4, 2, False)
     assert snapped(layout, frozenset({1}), 1, 35.5, 35.4, 1.0) == (36, 36, True)  # the corner of the picture
+
+
+def test_equal_squares_take_the_cells_of_the_picture(square):
+    _, _, layout = square
+    assert snapped(layout, frozenset({1}), 1, 2.1, 1.9, 0.1) == (4, 0, True)
+    assert snapped(layout, frozenset({1}), 1, 6.5, 0, 0.1) == (6, 0, False)  # its middle is outside
 
 
 def test_uneven_pieces_snap_by_any_of_their_corners():

@@ -63,7 +63,7 @@ def solve(
     rotate
         Pieces may have to be turned by quarter turns.
     seed
-        Seed of cutting, shuffling and solving.
+        Seed of cutting and shuffling.
     missing
         The share of the pieces that is lost after cutting, 0 to 1.
     frame
@@ -82,7 +82,7 @@ def solve(
     from .puzzles.gathering import Cutting, gather, without_frame
     from .store import output_folder
 
-    values = chosen(method, measure, frame, missing, seed, set, parameters)
+    values = chosen(method, measure, frame, missing, set, parameters)
     how = Cutting(cut, pieces, piece_size, rotate, seed, missing)
     with progress_bar() as progress:
         puzzle, truth, source = gather(inputs, checked_cutting(how), progress=progress)
@@ -97,12 +97,12 @@ def solve(
 
 
 def chosen(
-    method: str | None, measure: str | None, frame: str | None, missing: float, seed: int, settings: list[str] | None,
+    method: str | None, measure: str | None, frame: str | None, missing: float, settings: list[str] | None,
     file: Path | None,
 ) -> PuzzleParameters:  # fmt: skip
     """The parameters of a run: those of a file, then options, then single settings; raises `BadParameter`."""
     values: dict[str, Any] = {} if file is None else read_values(file)
-    options = {"method": method, "measure": measure, "frame": frame, "missing": True if missing else None, "seed": seed or None}
+    options = {"method": method, "measure": measure, "frame": frame, "missing": True if missing else None}
     values |= {name: value for name, value in options.items() if value is not None}
     return PuzzleParameters().changed(**values).changed(**assignments(settings or ()))
 
@@ -133,12 +133,14 @@ def _wishes(file: Path | None, puzzle: "Puzzle") -> Any:
 def _write(folder: Path, puzzle: "Puzzle", truth: "Truth | None", solution: "PuzzleSolution", source: dict[str, Any]) -> None:
     """Score where the truth is known, write the result files and say what came out."""
     from .puzzlereport import puzzle_report
+    from .puzzles.gathering import without_frame
     from .puzzles.scoring import right_joins, right_places, score
     from .puzzles.solutionfile import write_solution
 
     scores = right = true_joins = None
     if truth is not None:
-        scores, right = score(puzzle, truth, solution), right_places(puzzle, truth, solution)
+        scores = score(puzzle, truth, solution)
+        right = right_places(without_frame(puzzle), truth, solution)  # marks are of use where all is one column off, too
         true_joins = right_joins(puzzle, truth, solution)
     report = puzzle_report(puzzle, solution, scores=scores, right=right, right_joins=true_joins, source=source)
     write_solution(folder, puzzle, solution, scores=scores, source=source, right=true_joins, report=report)
@@ -255,7 +257,7 @@ def bench_puzzles(
     from .puzzles.wearing import WEAR
     from .store import output_folder
 
-    values = chosen(None, None, frame, missing, 0, set, None)
+    values = chosen(None, None, frame, missing, set, None)
     how = checked_cutting(Cutting(cut, pieces, piece_size, rotate, 0, missing))
     if not folder.is_dir():
         raise BadInput(f"{folder} is not a folder; name a folder of pictures.")

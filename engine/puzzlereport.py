@@ -11,13 +11,14 @@ import numpy as np
 from .parameters import declared
 from .puzzles.parameters import PuzzleParameters
 from .puzzles.pieces import Puzzle
-from .puzzles.rendering import SCALE, assembled, marked, sheet, thumbnail, typical_side
+from .puzzles.rendering import SCALE, assembled, close_up, marked, sheet, thumbnail, typical_side
 from .puzzles.scoring import Scores
 from .puzzles.solution import PuzzleSolution
 from .puzzles.solutionfile import side_name
 from .report import html_table, page
 
 LISTED = 60  # the most doubtful joins that the page lists; joins.csv has all
+SHOWN = 12  # the most doubtful joins that it shows close by
 LONGEST = 1600  # pixels of a picture in the page
 BINS = np.array([0.0, 0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0])
 
@@ -26,7 +27,10 @@ def puzzle_report(
     puzzle: Puzzle, solution: PuzzleSolution, *, scores: Scores | None = None, right: np.ndarray | None = None,
     right_joins: np.ndarray | None = None, source: Mapping[str, Any] | None = None,
 ) -> str:  # fmt: skip
-    """The page. Where the truth is known, `right` (n,) bool says which pieces lie right and `right_joins` (j,) which joins."""
+    """The page. Where the truth is known, `right` (n,) bool says which pieces lie right, `right_joins` (j,) which joins.
+
+    `right` serves the marks, and had better allow for one shift of the whole picture.
+    """
     sections = [
         _pictures(puzzle, solution, right), _scores(scores), _reliability(solution, right_joins),
         _doubtful(puzzle, solution, right_joins), _unplaced(puzzle, solution), _pieces(puzzle), _judge(solution),
@@ -72,7 +76,7 @@ def _pictures(puzzle: Puzzle, solution: PuzzleSolution, right: np.ndarray | None
         words = f"Its joins{number}, coloured by confidence"
         wrong = 0 if right is None else int((~right & (solution.picture == k)).sum())
         if right is not None:
-            words += f"; the {wrong} wrongly placed pieces are hatched" if wrong else "; no piece is placed wrongly"
+            words += f"; the {wrong} wrongly placed pieces are hatched" if wrong else "; every piece is placed rightly"
         if typical_side(puzzle) * scale >= 6:
             parts.append(figure(words, shown, _legend()))
     return "".join(parts)
@@ -137,7 +141,19 @@ def _doubtful(puzzle: Puzzle, solution: PuzzleSolution, right: np.ndarray | None
     head = ["piece", "side", "piece", "side", "confidence", "confirmed by", *(["truth"] if right is not None else [])]
     table = html_table(head, rows, [False] * 4 + [True] + [False] * (len(head) - 5))
     words = f"The {len(rows)} most doubtful of {len(joins)} joins" if len(rows) < len(joins) else f"All {len(joins)} joins, doubtful first"
-    return f"<h2>Joins</h2><details><summary>{words}</summary>{table}</details>"
+    near = [k for k in np.argsort(joins.confidence, kind="stable")[:SHOWN] if joins.confidence[k] < 0.9]
+    cards = "".join(_card(puzzle, solution, int(k), right) for k in near)
+    cards = f'<div style="display:flex;flex-wrap:wrap;gap:0 1.2rem">{cards}</div>' if cards else "<p>No join is doubtful.</p>"
+    return f"<h2>The most doubtful joins</h2>{cards}<details><summary>{words}</summary>{table}</details>"
+
+
+def _card(puzzle: Puzzle, solution: PuzzleSolution, join: int, right: np.ndarray | None) -> str:
+    """One join close by, with the names of its pieces and sides."""
+    a, side_a, b, side_b = solution.joins.sides[join].tolist()
+    ends = [f"{puzzle.pieces[i].name or i} {side_name(puzzle, i, side)}" for i, side in ((a, side_a), (b, side_b))]
+    truth = "" if right is None else (", right" if right[join] else ", wrong")
+    words = f"{solution.joins.confidence[join]:.2f}{truth}"
+    return figure(words, close_up(puzzle, solution, join), f"<br>{escape(ends[0])}<br>{escape(ends[1])}")
 
 
 def _unplaced(puzzle: Puzzle, solution: PuzzleSolution) -> str:

@@ -11,6 +11,7 @@ from .turning import turned_polygon, turned_raster
 # Red to blue through a pale middle, told apart by all kinds of colour sight; doubtful joins are the warm ones.
 SCALE = np.array([[0xC8, 0x3E, 0x00], [0xE6, 0x8A, 0x2E], [0xF0, 0xD8, 0x8A], [0x7F, 0xBF, 0xE8], [0x00, 0x72, 0xB2]], float)
 WRONG = np.array([0xD5, 0x5E, 0x00], dtype=np.float64)
+SURE = 0.9  # confidence from which a join is drawn as certain
 PAPER = np.array([0xFA, 0xFA, 0xF7], dtype=np.uint8)
 
 
@@ -57,23 +58,33 @@ def marked(
     `right` (n,) bool, where the truth is known, hatches the pieces that lie wrong; `joins` draws the shared sides in
     the colours of their confidence, the doubtful ones thicker and last.
     """
-    import cv2
-
     seen = canvas[..., 3:] > 0
     shown = np.where(seen, canvas[..., :3], PAPER).astype(np.uint8)
     if right is not None:
         for i in np.flatnonzero((solution.picture == picture) & ~right):
             _hatch(shown, puzzle.pieces[i], solution.position[i], int(solution.turns[i]))
-    if joins and len(solution.joins):
-        chosen = np.flatnonzero(solution.picture[solution.joins.sides[:, 0]] == picture)
-        chosen = chosen[np.argsort(-solution.joins.confidence[chosen], kind="stable")]
-        colours = confidence_colours(solution.joins.confidence[chosen])
-        ends = np.round(side_ends(puzzle, solution, chosen) * 16 - 8).astype(np.int32)
-        width = max(1, round(typical_side(puzzle) / 28))
-        for (a, b), colour, sure in zip(ends, colours, solution.joins.confidence[chosen], strict=True):
-            thick = width if sure >= 0.9 else 2 * width
-            cv2.line(shown, a.tolist(), b.tolist(), colour.tolist(), thick, cv2.LINE_AA, 4)
+    if joins:
+        _draw_joins(shown, puzzle, solution, picture)
     return shown
+
+
+def _draw_joins(shown: np.ndarray, puzzle: Puzzle, solution: PuzzleSolution, picture: int) -> None:
+    """The shared sides in their colours: certain ones thin and faint, then doubtful ones, the most doubtful on top."""
+    import cv2
+
+    confidence = solution.joins.confidence
+    chosen = np.flatnonzero(solution.picture[solution.joins.sides[:, 0]] == picture)
+    chosen = chosen[np.argsort(-confidence[chosen], kind="stable")]
+    sure = confidence[chosen] >= SURE
+    ends = np.round(side_ends(puzzle, solution, chosen) * 16 - 8).astype(np.int32)
+    colours = confidence_colours(confidence[chosen])
+    width = max(1, round(typical_side(puzzle) / 28))
+    faint = shown.copy()
+    for page, rows, thick in ((faint, np.flatnonzero(sure), width), (shown, np.flatnonzero(~sure), 2 * width)):
+        for k in rows:
+            cv2.line(page, ends[k, 0].tolist(), ends[k, 1].tolist(), colours[k].tolist(), thick, cv2.LINE_AA, 4)
+        if page is faint:
+            cv2.addWeighted(faint, 0.5, shown, 0.5, 0.0, dst=shown)
 
 
 def side_ends(puzzle: Puzzle, solution: PuzzleSolution, joins: Sequence[int] | np.ndarray) -> np.ndarray:
@@ -113,23 +124,23 @@ def _hatch(shown: np.ndarray, piece: Piece, position: np.ndarray, turns: int) ->
     place, seen = shown[y0:y1, x0:x1], mask[y0 - y : y1 - y, x0 - x : x1 - x, None]
     step = max(6, round(min(h, w) / 3))
     stripe = (np.add.outer(np.arange(y0, y1), np.arange(x0, x1)) % step < max(2, step // 4))[..., None]
-    strength = seen * np.where(stripe, 0.85, 0.25)
+    strength = seen * np.where(stripe, 0.8, 0.15)
     place[:] = np.round(place * (1 - strength) + WRONG * strength).astype(np.uint8)
 
 
 def sheet(puzzle: Puzzle, *, width: int = 1200, most: int = 30_000) -> np.ndarray:
-    """All pieces as they were read, in their order, in rows on paper, (h, width, 3) uint8; at most `most` of them."""
+    """All pieces as they were read, in their order, in rows on paper, (h, w, 3) uint8; at most `most` of them."""
     import cv2
 
     pieces = puzzle.pieces[:most]
     largest = max(max(piece.mask.shape) for piece in pieces)
     columns = max(1, int(np.ceil(np.sqrt(len(pieces) * 1.6))))
     cell = int(np.clip(width // columns, 6, 160))
-    columns = width // cell
+    columns = (width - 3) // cell
     gap = 1 if cell < 24 else 3
     scale = min((cell - gap) / largest, 2.0)
     rows = -(-len(pieces) // columns)
-    page = np.broadcast_to(PAPER, (rows * cell + gap, width, 3)).copy()
+    page = np.broadcast_to(PAPER, (rows * cell + gap, columns * cell + gap, 3)).copy()
     for k, piece in enumerate(pieces):
         h, w = (max(1, round(side * scale)) for side in piece.mask.shape)
         how = cv2.INTER_AREA if scale < 1 else cv2.INTER_NEAREST
@@ -142,6 +153,23 @@ def sheet(puzzle: Puzzle, *, width: int = 1200, most: int = 30_000) -> np.ndarra
             share = np.asarray(cv2.resize(piece.mask.astype(np.float32), (w, h), interpolation=how))[..., None]
             place[:] = np.minimum(small + place * (1 - share), 255).astype(np.uint8)
     return page
+
+
+def close_up(puzzle: Puzzle, solution: PuzzleSolution, join: int, *, longest: int = 150) -> np.ndarray:
+    """The two pieces of one join as they lie in the assembled picture and nothing else, (h, w, 3) uint8, enlarged."""
+    import cv2
+
+    pair = solution.joins.sides[join, ::2]
+    turned = [turned_raster(puzzle.pieces[i].mask, int(solution.turns[i])).shape for i in pair]
+    low = solution.position[pair].min(axis=0)
+    w, h = np.max([solution.position[i] + (m[1], m[0]) for i, m in zip(pair, turned, strict=True)], axis=0) - low
+    canvas = np.zeros((h, w, 4), dtype=np.uint8)
+    for i in pair:
+        _lay(canvas, puzzle.pieces[i], solution.position[i] - low, int(solution.turns[i]), False)
+    shown = np.where(canvas[..., 3:] > 0, canvas[..., :3], PAPER).astype(np.uint8)
+    scale = longest / max(h, w)
+    how = cv2.INTER_AREA if scale < 1 else cv2.INTER_NEAREST
+    return np.asarray(cv2.resize(shown, (max(1, round(w * scale)), max(1, round(h * scale))), interpolation=how))
 
 
 def thumbnail(pixels: np.ndarray, *, longest: int) -> np.ndarray:

@@ -29,6 +29,7 @@ from .voting import (
     ordered_ids,
     progress,
     record_vote,
+    record_votes,
     sides_swapped,
     undo_vote,
     volunteer,
@@ -39,7 +40,7 @@ __all__ = [
     "ANSWERS", "DEFAULT_QUESTION", "Answer", "Item", "Majority", "Proposal", "Run", "Study", "StudyFile", "Verdict",
     "Volunteer", "Vote", "VotingProgress", "about", "add_items", "add_result", "add_run", "answers", "create_study",
     "current_votes", "item", "items", "majority", "next_item", "open_study", "ordered_ids", "progress", "record_vote",
-    "shape_item", "sides_swapped", "undo_vote", "volunteer", "volunteers",
+    "record_votes", "shape_item", "sides_swapped", "undo_vote", "volunteer", "volunteers",
 ]  # fmt: skip
 
 DEFAULT_QUESTION = "Do the two marked parts correspond?"

@@ -70,20 +70,27 @@ def record_vote(
     for an unknown answer or a bad code, `BadInput` for an unknown item or a file that cannot be written.
     """
     code = checked_code(volunteer_code)
-    if answer not in ANSWERS:
-        raise BadParameter(f"{answer!r} is no answer; choose one of {', '.join(ANSWERS)}.")
     with handle.writing() as connection:
         _volunteer(connection, code)
-        if connection.scalar(select(schema.item.c.id).where(schema.item.c.id == item_id)) is None:
-            raise BadInput(f"The study has no item {item_id}; add its result first.")
-        before = connection.scalar(
-            select(_current.uuid).where(
-                _current.item_id == item_id, _current.volunteer == code, _current.round == round
-            )
-        )
-        return _append(
-            connection, kind="vote", item_id=item_id, volunteer=code, round=round, answer=answer, comment=comment,
-            supersedes=before, shown_ms=shown_ms, active_ms=active_ms, presentation=canonical(presentation or {}),
+        return _vote_on(
+            connection, item_id, code, answer, comment=comment, round=round, shown_ms=shown_ms, active_ms=active_ms,
+            presentation=canonical(presentation or {}),
+        )  # fmt: skip
+
+
+def record_votes(
+    handle: StudyFile, volunteer_code: str, answers: Mapping[str, str], *, round: int = 1
+) -> tuple[Vote, ...]:
+    """Commit the answers to many items at once, as `record_vote` does one; all are on the disk, or none.
+
+    For answers that no person gives one by one, such as those of a known truth.
+    """
+    code = checked_code(volunteer_code)
+    with handle.writing() as connection:
+        _volunteer(connection, code)
+        return tuple(
+            _vote_on(connection, item_id, code, answer, comment="", round=round, shown_ms=None, active_ms=None,
+                     presentation="{}") for item_id, answer in answers.items()
         )  # fmt: skip
 
 
@@ -195,6 +202,19 @@ def _volunteer(connection: Connection, code: str) -> Volunteer:
         connection.execute(insert(schema.volunteer).values(code=code, seed=seed, created_at=now()))
         return Volunteer(code, seed)
     return Volunteer(found.code, found.seed)
+
+
+def _vote_on(connection: Connection, item_id: str, code: str, answer: str, *, round: int, **values: Any) -> Vote:
+    """Add a vote that supersedes the volunteer's present one, if there is one."""
+    if answer not in ANSWERS:
+        raise BadParameter(f"{answer!r} is no answer; choose one of {', '.join(ANSWERS)}.")
+    if connection.scalar(select(schema.item.c.id).where(schema.item.c.id == item_id)) is None:
+        raise BadInput(f"The study has no item {item_id}; add its result first.")
+    mine = (_current.item_id == item_id, _current.volunteer == code, _current.round == round)
+    before = connection.scalar(select(_current.uuid).where(*mine))
+    return _append(
+        connection, kind="vote", item_id=item_id, volunteer=code, round=round, answer=answer, supersedes=before, **values
+    )
 
 
 def _append(connection: Connection, **values: Any) -> Vote:

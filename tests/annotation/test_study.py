@@ -100,6 +100,25 @@ def test_a_vote_is_there_for_another_reader_at_once(handle):
     assert datetime.fromisoformat(vote.created_at).utcoffset().total_seconds() == 0
 
 
+def test_many_votes_at_once_are_as_so_many_one_by_one(handle):
+    study.record_vote(handle, FOOT, "truth", "wrong")
+    made = study.record_votes(handle, "truth", {FOOT: "correct", STEM: "wrong"})
+    assert study.current_votes(handle) == made
+    assert [vote.clock for vote in made] == [2, 3]
+    assert study.undo_vote(handle, "truth") == STEM
+    assert study.undo_vote(handle, "truth") == FOOT
+    assert study.answers(handle, "truth") == {FOOT: "wrong"}
+
+
+def test_of_many_votes_all_are_kept_or_none(handle):
+    with pytest.raises(BadInput, match="no item x"):
+        study.record_votes(handle, "truth", {FOOT: "correct", "x": "wrong"})
+    with pytest.raises(BadParameter, match="'yes' is no answer"):
+        study.record_votes(handle, "truth", {FOOT: "correct", STEM: "yes"})
+    assert study.current_votes(handle) == ()
+    assert study.volunteers(handle) == ()
+
+
 def test_a_second_answer_replaces_the_first_and_keeps_it(handle):
     first = study.record_vote(handle, FOOT, "anna", "wrong")
     second = study.record_vote(handle, FOOT, "anna", "correct")

@@ -1,5 +1,7 @@
 """The command `concord`: what needs no window works without Qt, and no window is one clear sentence."""
 
+import csv
+import io
 import os
 import subprocess
 import sys
@@ -7,6 +9,7 @@ import sys
 import pytest
 
 from annotation.study import answers, majority, open_study, record_vote
+from annotation.study import item as study_item
 from assets import example_pairs
 from gui import display
 from gui.__main__ import main
@@ -69,18 +72,28 @@ def test_commands_without_a_window_import_neither_qt_nor_vtk():
     assert "thesis-rigid" in done.stdout
 
 
-def test_the_demo_goes_from_meshes_to_a_precision_table(tmp_path, monkeypatch, capsys):
+def test_the_demo_goes_from_meshes_and_pieces_to_a_precision_table(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("annotation.demo.example_pairs", lambda: example_pairs()[:2])
     monkeypatch.setattr("gui.__main__.report_pictures", lambda *pair: [])
+    monkeypatch.setattr("annotation.puzzledemo.WAYS", (("auto", "learned"), ("mst", "ssd")))
+    monkeypatch.setattr("annotation.puzzledemo.PIECE_SIZE", 50)
     assert main(["demo", "--out", str(tmp_path / "out")]) == 0
     with open_study(tmp_path / "out" / "demo.study") as study:
-        item = next(iter(majority(study)))
+        item = next(i for i in majority(study) if study_item(study, i).kind == "puzzle")
         record_vote(study, item, "ann", "unsure")
     assert main(["demo", "--out", str(tmp_path / "out")]) == 0
     with open_study(tmp_path / "out" / "demo.study") as study:
         assert answers(study, "ann") == {item: "unsure"}  # a second run keeps what people said
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"matches.json", "matches.csv", "parameters.json", "report.html", "table.csv", "demo.study"} <= written
-    assert "top-down" in capsys.readouterr().out
+    written = {path.name for path in (tmp_path / "out" / "puzzle").iterdir()}
+    assert {"solution.json", "joins.csv", "assembled.png", "report.html"} <= written
+    said = capsys.readouterr().out
+    assert "top-down" in said
+    assert "120 of 120 pieces of grace_hopper stand where they belong" in said
     assert main(["study", "table", str(tmp_path / "out" / "demo.study"), "--format", "csv"]) == 0
-    assert "lamps" in capsys.readouterr().out
+    rows = {(row["method"], row["preset"], row["set"]): row for row in csv.DictReader(io.StringIO(capsys.readouterr().out))}
+    assert ("top-down", "top-down", "lamps") in rows
+    auto, ssd = rows["auto", "learned", "portrait"], rows["mst", "ssd", "portrait"]
+    assert (auto["judged"], auto["correct"]) == ("218", "218")  # 10 × 12 squares have 218 neighbours
+    assert int(ssd["correct"]) <= 218

@@ -10,7 +10,7 @@ from engine.puzzles.pieces import Puzzle
 from engine.puzzles.solution import UNPLACED, Joins, Pin, PuzzleSolution, Wishes, no_joins
 
 from ..views.puzzle_layout import outlines, turned_sizes
-from ..views.puzzle_scene import Key, join_key, join_keys
+from ..views.puzzle_scene import Key, join_keys, join_rows
 
 NO_WISHES = Wishes()
 BY_HAND = "by hand"
@@ -158,13 +158,14 @@ def _shares_side(one_key: Key, other: Key) -> bool:
 
 def rows_of(joins: Joins, keys: Iterable[Key]) -> np.ndarray:
     """Which joins are named, (j,) bool."""
-    names = set(keys)
-    return np.array([key in names for key in join_keys(joins)], bool) if names else np.zeros(len(joins), bool)
+    named, rows = np.zeros(len(joins), bool), join_rows(joins)
+    named[[rows[key] for key in keys if key in rows]] = True
+    return named
 
 
 def row_of(joins: Joins, key: Key | None) -> int:
     """The row of a join by its name, or -1."""
-    return next((k for k, row in enumerate(joins.sides.tolist()) if join_key(row) == key), -1) if key else -1
+    return join_rows(joins).get(key, -1) if key else -1
 
 
 def joins_of_piece(joins: Joins, piece: int) -> Joins:

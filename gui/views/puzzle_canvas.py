@@ -22,14 +22,14 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from ..palette import LIGHT, Theme
 from .painting import paint_message
-from .puzzle_layout import Layout, growing
+from .puzzle_layout import Layout, growing, outlines
 from .puzzle_painting import Extent, Overlay, draw_joins, outline, paint_caption, paint_ground, paint_marks
 from .puzzle_scene import View, fitted, hit_join, hit_piece
 from .puzzle_sheet import Sheet, compose, rasters
 from .puzzle_snap import snapped
 
 REACH, DRAG_FROM = 6.0, 4.0  # screen pixels: of a click to a join, and of a hand before it carries a piece
-GROWTH_MS, FRAME_MS, FLASH_MS = 1100, 33, 1200
+GROWTH_MS, FRAME_MS, FLASH_MS, MOST_FLASHED = 1100, 33, 1200, 200
 
 
 class PuzzleCanvas(QWidget):
@@ -103,7 +103,10 @@ class PuzzleCanvas(QWidget):
         self._drop_carried()
         other = self.layout_shown is None or layout is None or layout.puzzle is not self.layout_shown.puzzle
         self.layout_shown, self._flashed = layout, ()
-        self._sheet = None if layout is None else compose(layout)
+        if layout is None:
+            self._sheet = None
+        elif self._sheet is None or not self._sheet.follow(layout):
+            self._sheet = compose(layout)
         self.overlay = Overlay()
         if other:
             self.follows = True
@@ -138,8 +141,8 @@ class PuzzleCanvas(QWidget):
         self._refresh()
 
     def flash(self, pieces: np.ndarray) -> None:
-        """Frame pieces for a moment: those that another solution has moved."""
-        self._flashed = tuple(pieces.tolist())
+        """Frame pieces for a moment: those that another solution has moved, unless that is nearly everything."""
+        self._flashed = tuple(pieces.tolist()) if len(pieces) <= MOST_FLASHED else ()
         if self._flashed:
             self._calm.start()
         self.update()
@@ -218,11 +221,16 @@ class PuzzleCanvas(QWidget):
             else:
                 extent = Extent(self.width(), self.height(), self.devicePixelRatioF())
                 paint_marks(painter, layout, self.overlay, self.view, self.theme, extent)
-                for piece in self._flashed:
-                    outline(painter, self.view.to_screen(layout.polygon(piece)), self.theme)
+                self._paint_flashed(painter)
             if self.overlay.caption:
                 paint_caption(painter, self.overlay.caption, self.height(), self.theme)
         painter.end()
+
+    def _paint_flashed(self, painter: QPainter) -> None:
+        if self._flashed:
+            corners, first = self.view.to_screen(self.layout_shown.corners()), outlines(self.layout_shown.puzzle).first
+            for piece in self._flashed:
+                outline(painter, corners[first[piece] : first[piece + 1]], self.theme)
 
     def _paint_carried(self, painter: QPainter) -> None:
         """The carried pieces where they would come to rest, with a frame that says whether they snapped."""

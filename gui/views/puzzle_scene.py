@@ -2,6 +2,7 @@
 
 import heapq
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -56,9 +57,15 @@ def join_key(sides: Iterable[int]) -> Key:
     return (a, side_a, b, side_b) if a <= b else (b, side_b, a, side_a)
 
 
+@lru_cache(maxsize=8)
+def join_rows(joins: Joins) -> dict[Key, int]:
+    """The row of each join by its name; not to be changed."""
+    return {join_key(row): k for k, row in enumerate(joins.sides.tolist())}
+
+
 def join_keys(joins: Joins) -> list[Key]:
-    """The names of all joins."""
-    return [join_key(row) for row in joins.sides.tolist()]
+    """The names of all joins, in their order."""
+    return list(join_rows(joins))
 
 
 def edges(layout: Layout, corners: np.ndarray, piece: np.ndarray, side: np.ndarray) -> np.ndarray:
@@ -68,6 +75,7 @@ def edges(layout: Layout, corners: np.ndarray, piece: np.ndarray, side: np.ndarr
     return np.stack([corners[first[piece] + side % count], corners[first[piece] + (side + 1) % count]], axis=1)
 
 
+@lru_cache(maxsize=4)
 def seams(layout: Layout, joins: Joins) -> np.ndarray:
     """Where the two sides of each join meet on the canvas: segments (j, 2, 2) float64."""
     corners = layout.corners()

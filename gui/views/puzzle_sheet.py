@@ -29,6 +29,12 @@ def rasters(puzzle: Puzzle) -> tuple[np.ndarray, ...]:
     return tuple(made)
 
 
+@lru_cache(maxsize=2)
+def filled(puzzle: Puzzle) -> tuple[bool, ...]:
+    """Which pieces fill their rasters."""
+    return tuple(bool(piece.mask.all()) for piece in puzzle.pieces)
+
+
 @dataclass(slots=True, eq=False)
 class Sheet:
     """All pieces of a layout at `scale` (at most 1) from `origin` on; `levels[k]` is 2^k times smaller."""
@@ -46,7 +52,7 @@ class Sheet:
         h, w = raster.shape[:2]
         part = self.levels[0][y : y + h, x : x + w]
         raster = raster[: part.shape[0], : part.shape[1]]
-        if layout.puzzle.pieces[piece].mask.all():
+        if filled(layout.puzzle)[piece]:
             part[...] = raster
         else:
             np.copyto(part, raster, where=raster[..., 3:] > 0)
@@ -59,16 +65,40 @@ class Sheet:
 
     def lift(self, pieces: frozenset[int]) -> None:
         """Take pieces away and draw again what their boxes hid."""
-        layout = self.layout
-        low, high = layout.position, layout.position + layout.size
-        for piece in pieces:
-            self.clear(piece, layout)
-        for piece in pieces:
-            near = ((low < high[piece]) & (high > low[piece])).all(axis=1)
-            for other in np.flatnonzero(near).tolist():
-                if other not in pieces:
-                    self.paste(other, layout)
+        self._clear_all(pieces, self.layout, self.layout)
         self.refresh()
+
+    def _clear_all(self, pieces: frozenset[int], old: Layout, new: Layout) -> None:
+        """Clear the boxes of pieces in an old layout, and draw again what else a new one has there."""
+        low, high = new.position, new.position + new.size
+        start, stop = old.position, old.position + old.size
+        hidden: set[int] = set()
+        for piece in pieces:
+            self.clear(piece, old)
+            hidden |= set(np.flatnonzero(((low < stop[piece]) & (high > start[piece])).all(axis=1)).tolist())
+        for other in sorted(hidden - pieces, key=lambda k: (bool(new.placed[k]), k)):
+            self.paste(other, new)
+
+    def follow(self, layout: Layout) -> bool:
+        """Show another layout of the same puzzle by moving what differs; False where drawing all is as quick."""
+        old = self.layout
+        if old.puzzle is not layout.puzzle or (layout.box.x, layout.box.y) != self.origin or self.scale < 1:
+            return False
+        differs = (old.position != layout.position).any(axis=1) | (old.turns != layout.turns)
+        moved = frozenset(np.flatnonzero(differs).tolist())
+        if _scale(layout) < 1 or 4 * len(moved) > len(differs):
+            return False
+        self._clear_all(moved, old, layout)
+        before, size = self.levels[0], _size(layout, 1.0)
+        if before.shape != size:
+            self.levels[0] = np.zeros(size, np.uint8)
+            h, w = np.minimum(before.shape[:2], size[:2])
+            self.levels[0][:h, :w] = before[:h, :w]
+        for piece in sorted(moved, key=lambda k: (bool(layout.placed[k]), k)):
+            self.paste(piece, layout)
+        self.layout = layout
+        self.refresh()
+        return True
 
     def refresh(self) -> None:
         """Make the smaller copies again."""
@@ -118,17 +148,22 @@ class Sheet:
             np.copyto(seen[y:below, x:right], drawn, where=drawn[..., 3:] == 255)
 
 
-def compose(layout: Layout, hidden: frozenset[int] = frozenset()) -> Sheet:
-    """All pieces of a layout but the hidden ones as a sheet, those in pictures above those in the tray."""
-    box = layout.box
-    scale = min(1.0, (MOST_PIXELS / max(box.w * box.h, 1)) ** 0.5)
-    size = (int(np.ceil(box.h * scale)) + 1, int(np.ceil(box.w * scale)) + 1, 4)
-    sheet = Sheet(layout, (box.x, box.y), scale, [np.zeros(size, np.uint8)])
+def compose(layout: Layout) -> Sheet:
+    """All pieces of a layout as a sheet, those in pictures above those in the tray."""
+    scale = _scale(layout)
+    sheet = Sheet(layout, (layout.box.x, layout.box.y), scale, [np.zeros(_size(layout, scale), np.uint8)])
     for piece in (*np.flatnonzero(~layout.placed).tolist(), *np.flatnonzero(layout.placed).tolist()):
-        if piece not in hidden:
-            sheet.paste(piece, layout)
+        sheet.paste(piece, layout)
     sheet.refresh()
     return sheet
+
+
+def _scale(layout: Layout) -> float:
+    return min(1.0, (MOST_PIXELS / max(layout.box.w * layout.box.h, 1)) ** 0.5)
+
+
+def _size(layout: Layout, scale: float) -> tuple[int, int, int]:
+    return int(np.ceil(layout.box.h * scale)) + 1, int(np.ceil(layout.box.w * scale)) + 1, 4
 
 
 def _warp(zoom_x: float, zoom_y: float, x: float, y: float) -> np.ndarray:

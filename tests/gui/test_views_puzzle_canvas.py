@@ -100,6 +100,35 @@ def test_a_lifted_piece_uncovers_what_lay_below(world):
     assert tuple(sheet.levels[0][5, 5]) == (0, 0, 0, 0)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_following_another_layout_gives_the_same_pixels_as_drawing_all_anew(seed):
+    puzzle, truth = cut_small(turned=True)
+    rng = np.random.default_rng(seed)
+    solution = true_solution(puzzle, truth)
+    sheet = compose(arrange(puzzle, solution))
+    for _ in range(4):
+        where, at, turns = solution.picture.copy(), solution.position.copy(), solution.turns.copy()
+        a, b, c = rng.choice(24, 3, replace=False)
+        at[[a, b]], turns[a], where[c] = at[[b, a]], rng.integers(4), -1 - where[c]
+        at[b] += rng.integers(0, 9, 2)  # overlaps others
+        solution = replace(solution, picture=where, position=at, turns=turns)
+        layout = arrange(puzzle, solution)
+        assert sheet.follow(layout)
+        whole = compose(layout).levels[0]
+        differs = (sheet.levels[0] != whole).any(axis=2)
+        single = _layers(layout, whole.shape[:2]) <= 1
+        assert not differs[single].any()
+        assert sheet.levels[0].shape == whole.shape
+
+
+def _layers(layout, shape):
+    """How many boxes of pieces lie on each pixel."""
+    count = np.zeros(shape, int)
+    for (x, y), (w, h) in zip(layout.position, layout.size, strict=True):
+        count[y : y + h, x : x + w] += 1
+    return count
+
+
 def test_a_puzzle_too_large_for_the_sheet_is_sharp_from_close_by(world, monkeypatch):
     monkeypatch.setattr(puzzle_sheet, "MOST_PIXELS", 16)
     sheet = compose(world[2])

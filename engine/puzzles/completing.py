@@ -7,12 +7,13 @@ import numpy as np
 from .blocks import Blocks, Rules, turn_cell
 from .candidates import Candidates
 from .evidence import Evidence
-from .filling import EMPTY, best_place, cell_score, fill_cells, merge_by_contacts, polish, total_worth
+from .filling import EMPTY, best_place, cell_score, fill_cells, merge_by_contacts, rearrange, total_worth
 from .solution import UNPLACED
 from .turning import turned_vectors
 
 SURE, HOPEFUL = 2.0, -1.0  # log odds: what merges two blocks, and what makes a placement worth a look
 LOOSE, MOST_LOOSE = 1.5, 600  # mean log odds a contact below which a piece may be swapped, and how many may
+ROUNDS, PATIENCE = 40, 6  # of moving loose pieces
 BARELY = -3.0  # mean log odds a contact below which no piece is added where the frame is not known
 
 
@@ -128,7 +129,7 @@ def _together(
         waiting = [group for group in waiting if not _place_group(group, blocks, grid, turns, limits, turned, e)]
         placed = fill_cells(grid, turns, left, np.ones(grid.shape, dtype=bool), *limits, turned, least, e)
         loose = _loose_cells(grid, np.concatenate([left[placed], _doubtful(grid, turns, e)]), rules, groups)
-        polish(grid, turns, loose, turned, 20, e)
+        rearrange(grid, turns, loose, turned, ROUNDS, PATIENCE, 0, e)
         left = left[~placed]
         rows, columns = np.nonzero(grid != EMPTY)
         pieces = grid[rows, columns]

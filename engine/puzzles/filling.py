@@ -199,74 +199,64 @@ def best_place(grid, turns, group, x, y, group_turns, width, height, turned, e):
     return best, best_r, best_c, best_k
 
 
-@njit(cache=True, nogil=True)
-def polish(grid, turns, loose, turned, rounds, e):  # type: ignore[no-untyped-def]
-    """Swap pieces in the cells `loose` (m, 2) of `grid`, and turn them, while the sum of all log odds grows.
+def rearrange(
+    grid: np.ndarray,
+    turns: np.ndarray,
+    loose: np.ndarray,
+    turned: bool,
+    rounds: int,
+    patience: int,
+    seed: int,
+    e: Evidence,
+) -> None:
+    """Move the pieces in the cells `loose` (m, 2) among these cells while the sum of all log odds grows.
 
-    Changes `grid` and `turns`; returns the number of swaps.
+    In each round cells are drawn of which no two touch, so that the best assignment of their pieces to them, all others
+    staying where they are, is a linear assignment problem. Stops after `rounds`, or `patience` rounds without a gain.
+    Changes `grid` and `turns`.
     """
-    swaps = 0
-    for _ in range(rounds):
-        changed = False
-        for a in range(len(loose)):
-            for b in range(a + 1, len(loose)):
-                if _try_swap(grid, turns, loose[a], loose[b], turned, e):
-                    changed = True
-                    swaps += 1
-        if not changed:
-            break
-    return swaps
+    from scipy.optimize import linear_sum_assignment
+
+    rng, idle = np.random.default_rng(seed), 0
+    for _ in range(rounds if len(loose) > 1 else 0):
+        cells = loose[_apart(grid.shape, loose, rng)]
+        pieces = grid[cells[:, 0], cells[:, 1]]
+        worth, way = np.empty((len(cells), len(cells))), np.zeros((len(cells), len(cells)), dtype=np.int64)
+        _worth_by_cell(grid, turns, cells, pieces, turned, e, worth, way)
+        rows, columns = linear_sum_assignment(-worth)
+        gain = worth[rows, columns].sum() - _worth_now(grid, turns, cells, e)
+        idle = 0 if gain > 1e-6 else idle + 1
+        if gain > 1e-6:
+            grid[cells[rows, 0], cells[rows, 1]] = pieces[columns]
+            turns[pieces[columns]] = way[rows, columns]
+        elif idle >= patience:
+            return
 
 
-@njit(cache=True, nogil=True)
-def _worth_of(grid, turns, cell, e):  # type: ignore[no-untyped-def]
-    piece = grid[cell[0], cell[1]]
-    return cell_score(grid, turns, cell[0], cell[1], piece, turns[piece], e)[0] if piece != EMPTY else 0.0
+def _apart(shape: tuple[int, ...], cells: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """A random choice of cells (m,) bool of which no two touch: those that drew more than all their neighbours."""
+    lots = np.full((shape[0] + 2, shape[1] + 2), -1.0)
+    r, c = cells.T + 1
+    lots[r, c] = rng.random(len(cells))
+    around = np.stack([lots[r + dr, c + dc] for dr, dc in ((0, 1), (1, 0), (0, -1), (-1, 0))])
+    return lots[r, c] > around.max(axis=0)
 
 
-@njit(cache=True, nogil=True)
-def _both_worth(grid, turns, first, second, e):  # type: ignore[no-untyped-def]
-    """Log odds of all contacts of two cells; a contact between them counts once."""
-    total = _worth_of(grid, turns, first, e) + _worth_of(grid, turns, second, e)
-    p, q = grid[first[0], first[1]], grid[second[0], second[1]]
-    if abs(first[0] - second[0]) + abs(first[1] - second[1]) == 1 and p != EMPTY and q != EMPTY:
-        for w in range(4):
-            if first[0] + STEP_Y[w] == second[0] and first[1] + STEP_X[w] == second[1]:
-                total -= fit(e, 4 * p + (w - turns[p]) % 4, 4 * q + (w + 2 - turns[q]) % 4)
-    return total
+def _worth_now(grid: np.ndarray, turns: np.ndarray, cells: np.ndarray, e: Evidence) -> float:
+    return sum(cell_score(grid, turns, r, c, grid[r, c], turns[grid[r, c]], e)[0] for r, c in cells.tolist())
 
 
-@njit(cache=True, nogil=True)
-def _try_swap(grid, turns, first, second, turned, e):  # type: ignore[no-untyped-def]
-    p, q = grid[first[0], first[1]], grid[second[0], second[1]]
-    if p == EMPTY and q == EMPTY:
-        return False
-    before = _both_worth(grid, turns, first, second, e)
-    old_p, old_q = (turns[p] if p != EMPTY else 0), (turns[q] if q != EMPTY else 0)
-    grid[first[0], first[1]], grid[second[0], second[1]] = q, p
-    best, best_p, best_q = before + 1e-6, -1, -1
-    for tp in range(4 if turned and p != EMPTY else 1):
-        for tq in range(4 if turned and q != EMPTY else 1):
-            if turned:
-                if p != EMPTY:
-                    turns[p] = tp
-                if q != EMPTY:
-                    turns[q] = tq
-            total = _both_worth(grid, turns, first, second, e)
-            if total > best:
-                best, best_p, best_q = total, (turns[p] if p != EMPTY else 0), (turns[q] if q != EMPTY else 0)
-    if best_p < 0:
-        grid[first[0], first[1]], grid[second[0], second[1]] = p, q
-        if p != EMPTY:
-            turns[p] = old_p
-        if q != EMPTY:
-            turns[q] = old_q
-        return False
-    if p != EMPTY:
-        turns[p] = best_p
-    if q != EMPTY:
-        turns[q] = best_q
-    return True
+@njit(cache=True, nogil=True, parallel=True)
+def _worth_by_cell(grid, turns, cells, pieces, turned, e, worth, way):  # type: ignore[no-untyped-def]
+    for a in prange(len(cells)):
+        for b in range(len(pieces)):
+            best = -np.inf
+            for k in range(4 if turned else 1):
+                turn = k if turned else turns[pieces[b]]
+                total = cell_score(grid, turns, cells[a, 0], cells[a, 1], pieces[b], turn, e)[0]
+                if total > best:
+                    best, way[a, b] = total, turn
+            worth[a, b] = best
 
 
 @njit(cache=True, nogil=True)

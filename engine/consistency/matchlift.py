@@ -7,6 +7,7 @@ b are the same one of the universe, the programme is (Eq 4.3; λ the cost of a m
     minimise ⟨λ - W, X⟩   subject to   [m 1ᵀ; 1 X] ⪰ 0,  X ≥ 0,  X = I within an object.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,8 +17,9 @@ from numpy.typing import DTypeLike
 from ..arrays import frozen_array
 from ..errors import BadInput
 from ..progress import Progress, silent
-from .semidefinite import Follower, nearest_semidefinite
+from .semidefinite import Follower, nearest_semidefinite, threads_for
 
+Projection = Callable[[np.ndarray], tuple[np.ndarray, int]]
 RELAXATION = 1.6  # of the alternating directions: 1 is none
 _SINGLE_FROM = 1e-4  # tolerances from which single precision is enough
 
@@ -43,7 +45,7 @@ def matchlift(
     similarity: np.ndarray,
     objects: np.ndarray,
     *,
-    universe: float,
+    universe: float | None,
     sparsity: float,
     penalty: float,
     tolerance: float,
@@ -61,7 +63,7 @@ def matchlift(
     objects
         (n,) int64: which object each element belongs to.
     universe
-        m: how many distinct elements there are; an upper bound will do. See `estimate_universe`.
+        m: how many distinct elements there are; an upper bound will do. See `estimate_universe`. None is no bound.
     sparsity, penalty
         λ in [0, 1], and ρ > 0, which changes the speed alone.
     tolerance, max_steps
@@ -82,15 +84,29 @@ def matchlift(
     if impossible is not None:
         free &= ~(impossible | impossible.T)
     free, fixed, shift = _lifted(similarity, free, universe, sparsity, penalty, dtype)
-    z, u, y, a = fixed.copy(), np.zeros_like(fixed), fixed.copy(), fixed.copy()
     project = Follower() if follow else nearest_semidefinite
+    with threads_for(len(fixed)):
+        y, steps, rank, primal, dual = _alternate(
+            free, fixed, shift, len(fixed) - len(similarity), project, tolerance, max_steps, progress
+        )
+    return LiftedMatches(
+        frozen_array(y, np.float64, similarity.shape, "Matches"), steps, primal, dual, rank,
+        project.dense if isinstance(project, Follower) else steps, residuals_small(primal, dual, tolerance))  # fmt: skip
+
+
+def _alternate(
+    free: np.ndarray, fixed: np.ndarray, shift: np.ndarray, row: int, project: Projection, tolerance: float,
+    max_steps: int, progress: Progress,
+) -> tuple[np.ndarray, int, int, float, float]:  # fmt: skip
+    """The loop: X in [0, 1], steps, rank, primal and dual residual. `row` is 1 where the universe has a row, else 0."""
+    z, u, y, a = fixed.copy(), np.zeros_like(fixed), fixed.copy(), fixed.copy()
     primal = dual = np.inf
     first, step, rank = 0.0, 0, 0
     while step < max_steps:
         step += 1
         prox_matching(z, u, free, shift, y, a)
         projected, rank = project(a)
-        primal, dual = _advance(projected, y, a, z, u)
+        primal, dual = _advance(projected, y, a, z, u, row)
         z = projected
         if residuals_small(primal, dual, tolerance):
             if not isinstance(project, Follower) or project.was_full:
@@ -98,9 +114,7 @@ def matchlift(
             project.restart()  # the end is judged by a full decomposition
         first = first or max(primal, dual)
         progress(_share(max(primal, dual), first, tolerance, step / max_steps), "lifting matches")
-    return LiftedMatches(
-        frozen_array(np.clip(y[1:, 1:], 0, 1), np.float64, similarity.shape, "Matches"), step, primal, dual, rank,
-        project.dense if isinstance(project, Follower) else step, residuals_small(primal, dual, tolerance))  # fmt: skip
+    return np.clip(y[row:, row:], 0, 1), step, rank, primal, dual
 
 
 def residuals_small(primal: float, dual: float, tolerance: float) -> bool:
@@ -126,7 +140,7 @@ def prox_matching(z, u, free, shift, y, a):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _advance(projected, y, a, z, u):  # type: ignore[no-untyped-def]
+def _advance(projected, y, a, z, u, row):  # type: ignore[no-untyped-def]
     """Writes U = Z - A; returns the primal and dual residuals, relative to the norm of the matches."""
     primal = dual = norm = 0.0
     for i in range(len(z)):
@@ -135,28 +149,31 @@ def _advance(projected, y, a, z, u):  # type: ignore[no-untyped-def]
             u[i, j] = p - a[i, j]
             primal += (p - y[i, j]) ** 2
             dual += (p - z[i, j]) ** 2
-            if i and j:
+            if i >= row and j >= row:
                 norm += y[i, j] ** 2
     return np.sqrt(primal / norm), np.sqrt(dual / norm)
 
 
 def _lifted(
-    similarity: np.ndarray, free: np.ndarray, universe: float, sparsity: float, penalty: float, dtype: DTypeLike
+    similarity: np.ndarray,
+    free: np.ndarray,
+    universe: float | None,
+    sparsity: float,
+    penalty: float,
+    dtype: DTypeLike,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What is free, the fixed values, and (λ - W)/ρ, all (n+1, n+1).
+    """What is free, the fixed values, and (λ - W)/ρ: (n+1, n+1), or (n, n) where the universe has no bound.
 
     The first row and column are scaled by m^-¼, which keeps the cone and makes no eigenvalue much larger than others.
     """
-    n = len(similarity)
+    fixed: np.ndarray = np.eye(len(similarity), dtype=dtype)
+    shift: np.ndarray = ((sparsity - similarity) / penalty).astype(dtype)
+    if universe is None:
+        return free, fixed, shift
     scale = universe**-0.25
-    is_free = np.zeros((n + 1, n + 1), dtype=bool)
-    is_free[1:, 1:] = free
-    fixed: np.ndarray = np.eye(n + 1, dtype=dtype)
-    fixed[0, 1:] = fixed[1:, 0] = scale
+    fixed = np.pad(fixed, (1, 0), constant_values=scale)
     fixed[0, 0] = universe * scale**2
-    shift: np.ndarray = np.zeros((n + 1, n + 1), dtype=dtype)
-    shift[1:, 1:] = (sparsity - similarity) / penalty
-    return is_free, fixed, shift
+    return np.pad(free, (1, 0)), fixed, np.pad(shift, (1, 0))
 
 
 def _share(residual: float, first: float, tolerance: float, steps: float) -> float:
@@ -167,7 +184,7 @@ def _share(residual: float, first: float, tolerance: float, steps: float) -> flo
 
 
 def _checked(
-    similarity: np.ndarray, objects: np.ndarray, universe: float, impossible: np.ndarray | None
+    similarity: np.ndarray, objects: np.ndarray, universe: float | None, impossible: np.ndarray | None
 ) -> tuple[np.ndarray, np.ndarray]:
     n = len(objects)
     similarity = frozen_array(similarity, np.float64, (n, n), "The similarity of the elements")
@@ -181,7 +198,7 @@ def _checked(
     if impossible is not None and np.shape(impossible) != (n, n):
         raise BadInput(f"The impossible pairs must have the shape ({n}, {n}), not {np.shape(impossible)}.")
     largest = int(np.unique(objects, return_counts=True)[1].max())
-    if not universe >= largest:
+    if universe is not None and not universe >= largest:
         raise BadInput(f"A universe of {universe:g} elements is too small: one object alone has {largest}.")
     return similarity, objects
 
@@ -191,7 +208,7 @@ def estimate_universe(similarity: np.ndarray, objects: np.ndarray) -> int:
 
     At least as large as the largest object; reliable where most input is right and most pairs of objects have some.
     """
-    similarity, objects = _checked(similarity, objects, np.inf, None)
+    similarity, objects = _checked(similarity, objects, None, None)
     within = objects[:, None] == objects[None]
     full = np.where(within, np.eye(len(objects)), similarity)
     values = np.sort(np.linalg.eigvalsh(full))[::-1]

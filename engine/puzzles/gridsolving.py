@@ -251,9 +251,9 @@ def _order(
             job.rules, groups=job.groups, pin=job.pin, pictures=job.puzzle.pictures, turned=job.puzzle.turned, missing=parameters.missing)  # fmt: skip
         return assembly.by_linear_programme(p, found, first.turns, rounds=12, least=0.05, progress=progress)
     if method in ("matchlift", "diffusion"):
-        from .confirmation import confirm
+        from .confirmation import confirmed_joins
 
-        kept = confirm(method, job, parameters, progress)
+        kept = confirmed_joins(method, job.puzzle, job.strips, job.candidates, parameters, progress=progress).kept
         confirmed[method] = kept
         order = np.lexsort((-p, ~kept))
         return order[(p[order] >= LEAST) | kept[order]]

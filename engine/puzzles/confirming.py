@@ -1,0 +1,130 @@
+"""Confirmed joins: the common form of all that decides which candidate joins between square sides are certain."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..arrays import frozen_array
+from ..consistency.apart import matchlift_apart
+from ..consistency.matchlift import matchlift
+from ..errors import BadInput
+from ..progress import Progress, silent
+from .corners import (
+    corner_matrix,
+    corner_similarity,
+    join_confidence,
+    meeting_corners,
+    universe_of,
+    unlike_corners,
+)
+from .halves import as_halves
+from .pruning import prune
+
+LARGEST = 200  # corners that are lifted together where a puzzle is too large to be lifted at once
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Confirmed:
+    """Of c candidates: which are confirmed, `kept` (c,) bool, and how sure each is, `confidence` (c,) in [0, 1]."""
+
+    kept: np.ndarray
+    confidence: np.ndarray
+
+    def __post_init__(self) -> None:
+        c = len(self.kept)
+        object.__setattr__(self, "kept", frozen_array(self.kept, bool, (c,), "What is confirmed"))
+        object.__setattr__(self, "confidence", frozen_array(self.confidence, np.float64, (c,), "The confidence"))
+
+
+def confirm_matchlift(
+    rows: np.ndarray,
+    dissimilarity: np.ndarray,
+    *,
+    count: int,
+    t_1: float,
+    t_2: float,
+    sparsity: float,
+    penalty: float,
+    tolerance: float,
+    max_steps: int,
+    at_once: int,
+    universe: int | None = None,
+    turned: bool = False,
+    progress: Progress = silent,
+) -> Confirmed:
+    """Confirm joins whose corners MatchLift finds consistent around every cycle (thesis, chapter 4).
+
+    Parameters
+    ----------
+    rows
+        (c, 2) int64 sides 4 i + side of the candidates, the two in any order, each pair once; right-left and bottom-top
+        unless `turned`.
+    dissimilarity
+        (c, 2) of their halves (`half_dissimilarity`), or (c,) of the whole sides.
+    count, universe
+        n pieces, and the points of the grid where the frame is known (`universe_of`).
+    t_1, t_2
+        The least similarity that is an input (Eq 4.5), and the least lifted match of **both** halves that confirms.
+    at_once
+        The largest number of pieces that are lifted all together, with the bound on the universe.
+    sparsity, penalty, tolerance, max_steps
+        Those of `engine.consistency.matchlift`.
+
+    Notes
+    -----
+    The decomposition costs O(n³) a step. Puzzles of more than `at_once` pieces are therefore lifted without a bound on
+    the universe, which falls apart into components of at most `LARGEST` corners. What is lost is small: few corners have
+    inputs enough to feel that bound.
+    """
+    rows, halves = _candidates(rows, dissimilarity, count)
+    similarity = corner_similarity(rows, halves)
+    unlike = unlike_corners(count, turned=turned)
+    how: dict[str, Any] = {"sparsity": sparsity, "penalty": penalty, "tolerance": tolerance, "max_steps": max_steps}
+    if count <= at_once:
+        found = matchlift(
+            corner_matrix(rows, similarity, count, t_1=t_1), unlike[0], universe=universe or universe_of(count),
+            impossible=None if turned else unlike[1][:, None] == unlike[1], progress=progress, **how)  # fmt: skip
+        lifted = join_confidence(rows, found.matches)
+    else:
+        corners, given = meeting_corners(rows), similarity >= t_1
+        lifted = matchlift_apart(
+            corners[given], similarity[given], unlike, corners.reshape(-1, 2), largest=LARGEST, progress=progress, **how
+        ).reshape(-1, 2)  # fmt: skip
+    confidence = lifted.min(axis=1)
+    return Confirmed(confidence >= t_2, confidence)
+
+
+def confirm_diffusion(
+    rows: np.ndarray,
+    dissimilarity: np.ndarray,
+    *,
+    count: int,
+    knn: int,
+    t_1: float,
+    t_2: float,
+    t_3: float,
+    iterations: int,
+    progress: Progress = silent,
+) -> Confirmed:
+    """Confirm joins by diffusion pruning of their halves (thesis, chapter 5), in O(c log c).
+
+    `rows` and `dissimilarity` are as in `confirm_matchlift`, the rest as in `pruning.prune`. The confidence is how much
+    of a join's four correspondences supports the others: 1 where all four are the best of their halves.
+    """
+    rows, halves = _candidates(rows, dissimilarity, count)
+    found = prune(rows, halves, knn=knn, t_1=t_1, t_2=t_2, t_3=t_3, iterations=iterations, progress=progress)
+    return Confirmed(found.kept, found.confidence)
+
+
+def _candidates(rows: np.ndarray, dissimilarity: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Checked candidates with the dissimilarity of both halves."""
+    rows = frozen_array(rows, np.int64, (None, 2), "The candidate joins")
+    halves = frozen_array(as_halves(dissimilarity), np.float64, (len(rows), 2), "The dissimilarity of the candidates")
+    if len(rows) and not (rows.min() >= 0 and rows.max() < 4 * count):
+        raise BadInput(f"The sides of the candidate joins must be rows 0 to {4 * count - 1} of {count} pieces.")
+    if (rows[:, 0] // 4 == rows[:, 1] // 4).any():
+        raise BadInput("A candidate joins a piece to itself; leave such pairs out.")
+    if not (np.isfinite(halves).all() and (halves >= 0).all()):
+        raise BadInput("The dissimilarity of the candidates must be finite and not negative.")
+    return rows, halves

@@ -82,12 +82,12 @@ def truth_answers(puzzle: Puzzle, truth: Truth, joins: Joins) -> tuple[bool, ...
     ids, names = standing_ids(puzzle), join_ids(puzzle, joins)
     standing = [pieces[turn] for pieces, turn in zip(ids, truth.turns.tolist(), strict=True)]
     places = list(zip(truth.picture.tolist(), *truth.position.T.tolist(), strict=True))
-    found, alike = dict(zip(places, standing, strict=True)), _places_of(standing, places)
+    found, alike = set(zip(standing, places, strict=True)), _places_of(standing, places)
     known: dict[str, bool] = {}
     for row, join in enumerate(names):
         if join not in known:
             known[join] = any(
-                found.get((picture, x + dx + ex, y + dy + ey)) == b
+                (b, (picture, x + dx + ex, y + dy + ey)) in found
                 for a, b, (dx, dy) in join_views(puzzle, joins, row)
                 for picture, x, y in alike.get(a, ())
                 for ex, ey in _NEAR

@@ -25,6 +25,7 @@ from annotation.puzzlejoins import (
 )
 from engine.puzzles.cutting import cut
 from engine.puzzles.pieces import Piece, Puzzle, Truth, rectangle
+from engine.puzzles.scoring import contacts
 from engine.puzzles.solution import Joins
 
 
@@ -125,6 +126,17 @@ def test_a_pixel_beside_its_place_is_right_and_two_are_not():
     exact = joins_of(truth, touching(truth)[:1] * 3)
     moved = Joins(exact.sides, np.add(exact.offset, [[0, 0], [1, -1], [0, 2]]), exact.turn, exact.confidence)
     assert truth_answers(puzzle, truth, moved) == (True, True, False)
+
+
+def test_two_triangles_of_one_square_have_the_same_corner_and_each_its_joins():
+    puzzle, truth = cut(picture(20), kind="triangles", piece_size=20, seed=3)
+    pairs = contacts(puzzle, truth.picture, truth.position, truth.turns)
+    sides = np.insert(pairs, [1, 2], 0, axis=1)
+    joins = Joins(sides, truth.position[pairs[:, 1]] - truth.position[pairs[:, 0]], 0 * pairs[:, 0], 0.5 + 0 * pairs[:, 0])
+    assert (joins.offset == 0).all(axis=1).any()
+    assert all(truth_answers(puzzle, truth, joins))
+    moved = Joins(sides, joins.offset + np.array([20, 0]), joins.turn, joins.confidence)
+    assert not any(truth_answers(puzzle, truth, moved))
 
 
 def test_a_join_across_two_pictures_is_wrong():

@@ -59,6 +59,15 @@ def is_rectangle(mask: np.ndarray) -> bool:
     return bool(mask.all() or (inner.size > 0.5 * mask.size and inner.all()))
 
 
+def unbitten(mask: np.ndarray) -> np.ndarray:
+    """The convex hull of a mask that nearly fills it: a convex piece into whose border pale spots bite; else the mask."""
+    import cv2
+
+    hull = cv2.convexHull(np.argwhere(mask)[:, ::-1].astype(np.int32))
+    filled = np.asarray(cv2.fillConvexPoly(np.zeros(mask.shape, dtype=np.uint8), hull, 1)).astype(bool)
+    return filled if mask.sum() >= 0.95 * filled.sum() else mask
+
+
 def without_rough_border(mask: np.ndarray) -> tuple[slice, slice]:
     """The rows and columns of a rectangle after the border rows and columns that it fills by less than 90 %."""
     y0, x0, (y1, x1) = 0, 0, mask.shape
@@ -75,15 +84,17 @@ def without_rough_border(mask: np.ndarray) -> tuple[slice, slice]:
         y0, y1, x0, x1 = y0 + (least == 0), y1 - (least == 1), x0 + (least == 2), x1 - (least == 3)
 
 
-def polygon_of(mask: np.ndarray) -> np.ndarray:
-    """The polygon (v, 2) of a mask in one part: exact where it was cut by a program, smoothed where it is rough."""
+def polygon_of(mask: np.ndarray, *, scanned: bool) -> np.ndarray:
+    """The polygon (v, 2) of a mask in one part.
+
+    Exact where a program has cut it, from a smoothed border where it is rough: where that takes fewer corners if the
+    piece was `scanned`, else only where it takes far fewer.
+    """
     if mask.all():
         return rectangle(mask.shape[1], mask.shape[0])
     crisp = trace(mask, roughness=CRISP)
-    if len(crisp) <= 4:
-        return crisp
     smooth, _ = whole(ndimage.gaussian_filter(np.pad(mask, 4).astype(np.float32), 1.0)[4:-4, 4:-4] > 0.5)
-    if not smooth.any():
+    if len(crisp) == 3 or not smooth.any():
         return crisp
     rough = trace(smooth, roughness=max(ROUGH, 0.012 * float(np.hypot(*mask.shape))))
-    return crisp if len(crisp) <= len(rough) + 2 else rough
+    return crisp if len(crisp) <= len(rough) + (0 if scanned else 2) else rough

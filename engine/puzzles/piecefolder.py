@@ -12,7 +12,7 @@ from ..errors import BadInput
 from ..progress import Progress, silent
 from ..store import output_folder, write_together
 from .imagefile import SUFFIXES, png_bytes, read_image
-from .masks import SEEN, is_rectangle, plain_ground, polygon_of, standing_out, without_rough_border
+from .masks import SEEN, is_rectangle, plain_ground, polygon_of, standing_out, unbitten, without_rough_border
 from .pieces import Piece, Puzzle, rectangle
 from .tracing import whole
 from .turning import from_the_top
@@ -85,11 +85,18 @@ def _cropped(path: Path, image: np.ndarray, ground: tuple[np.ndarray, float] | N
     rows, columns = _bounds(body)
     image, body, seen = image[rows, columns], body[rows, columns], seen[rows, columns]
     if is_rectangle(body):
-        rows, columns = without_rough_border(body)
-        inner = np.ascontiguousarray(image[rows, columns, :3])
-        h, w = inner.shape[:2]
-        return Piece(rectangle(w, h), inner, np.ones((h, w), dtype=bool), path.name)
-    return _fitting(polygon_of(body), image, body if ground is not None else body & seen, path.name)
+        return _rectangular(path.name, image[without_rough_border(body)])
+    if ground is None:
+        return _fitting(polygon_of(body, scanned=False), image, body & seen, path.name)
+    body = unbitten(body)
+    if is_rectangle(body):
+        return _rectangular(path.name, image)
+    return _fitting(polygon_of(body, scanned=True), image, body, path.name)
+
+
+def _rectangular(name: str, image: np.ndarray) -> Piece:
+    h, w = image.shape[:2]
+    return Piece(rectangle(w, h), image[..., :3], np.ones((h, w), dtype=bool), name)
 
 
 def _bounds(mask: np.ndarray) -> tuple[slice, slice]:

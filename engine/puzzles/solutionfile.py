@@ -175,11 +175,17 @@ def _solution(content: Mapping[str, Any]) -> PuzzleSolution:
         raise ValueError
     return PuzzleSolution(
         str(content["puzzle"]), picture, position, turns, np.array(sizes).reshape(-1, 2), joins, str(content["method"]),
-        str(content["measure"]), checked(PuzzleParameters, content["parameters"]),
-        {str(k): float(v) for k, v in content["seconds"].items()},
-        {str(k): float(v) for k, v in content.get("judge", {}).items()},
-        {int(k): str(v) for k, v in content.get("why_unplaced", {}).items()},
+        str(content["measure"]), checked(PuzzleParameters, _object(content["parameters"])),
+        {str(k): float(v) for k, v in _object(content["seconds"]).items()},
+        {str(k): float(v) for k, v in _object(content.get("judge", {})).items()},
+        {int(k): str(v) for k, v in _object(content.get("why_unplaced", {})).items()},
         tuple(map(str, content.get("notes", ()))))  # fmt: skip
+
+
+def _object(value: Any) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise ValueError(f"{value!r} is not an object")
+    return value
 
 
 def whole_number(value: Any) -> int:

@@ -364,8 +364,7 @@ class MainWindow(QMainWindow):
     def dropEvent(self, event: QDropEvent) -> None:
         paths = [url.toLocalFile() for url in event.mimeData().urls() if url.isLocalFile()]
         event.acceptProposedAction()
-        drop = self.puzzle.drop if self.page == "puzzle" else self.files.drop
-        QTimer.singleShot(0, lambda: drop(paths) if paths else None)
+        QTimer.singleShot(0, lambda: self.files.drop(paths) if paths else None)
 
     def changeEvent(self, event: QEvent) -> None:
         """Read the votes again when the window comes to the front: other windows write to the same study."""

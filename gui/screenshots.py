@@ -6,6 +6,10 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .main_window import MainWindow
 
 PATIENCE = 180.0
 
@@ -71,6 +75,7 @@ def _take(out: Path, dark: bool) -> list[Path]:
     window.shapes.step_node(1)
     shot("node")
     window.shapes.step_layer(-2)
+    _puzzle(window, wait, rest, shot)
     window.show_page("study")
     wait(lambda: window.study.question is not None)
     shot("study")
@@ -84,6 +89,36 @@ def _take(out: Path, dark: bool) -> list[Path]:
     window.deleteLater()
     app.processEvents()
     return written
+
+
+def _puzzle(window: "MainWindow", wait: Callable, rest: Callable, shot: Callable) -> None:
+    """The puzzle page: empty, the tray, the picture growing, doubtful joins, judged and locked ones, the truth."""
+    window.show_page("puzzle")
+    shot("puzzle-empty")
+    puzzle = window.puzzle
+    puzzle.open_example()
+    wait(lambda: puzzle.session.state.puzzle is not None)
+    shot("puzzle-tray")
+    puzzle.solve()
+    wait(lambda: puzzle.page.view.is_growing)
+    shot("puzzle-growing")
+    wait(lambda: not puzzle.page.view.is_growing)
+    puzzle.page.step_join(1)
+    shot("puzzle-doubtful")
+    for answer in ("correct", "wrong"):
+        window.answer(answer)
+        rest(0.1)
+    puzzle.hands.lock()
+    rest(0.1)
+    puzzle.page.step_join(1)
+    puzzle.hands.reject()
+    shot("puzzle-rejected")
+    puzzle.page.view.reset_view()
+    puzzle.session.update(below=1.0)
+    puzzle.page.toggle_truth()
+    shot("puzzle-truth")
+    puzzle.page.panel.setCurrentIndex(1)
+    shot("puzzle-parameters")
 
 
 def main() -> int:

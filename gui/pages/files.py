@@ -93,7 +93,10 @@ class Files(QObject):
         self.window.matching.open_pair(str(Path(source).absolute()), str(Path(target).absolute()), labels)
 
     def drop(self, paths: list[str]) -> None:
-        """Open what was dropped: two meshes at once or one after the other, with their labels, or a study."""
+        """Open what was dropped: two meshes at once or one after the other, with their labels, a study, or a puzzle."""
+        if self.window.puzzle.takes(paths):
+            self.window.puzzle.drop(paths)
+            return
         meshes, labels, studies = sorted_drop(paths)
         if studies:
             self.window.judging.open(studies[0])

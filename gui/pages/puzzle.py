@@ -160,6 +160,9 @@ class PuzzlePage(QWidget):
         if "dark" in names:
             for part in (self.view, self.bar, self.join):
                 part.set_theme(theme(state.dark))
+        if "puzzle" in names:
+            for part in (self.panel, self.bar):
+                part.setVisible(state.puzzle is not None)
         if names & {"puzzle", "solution"}:
             self._show_layout(old, state)
         if names & _MARKS:

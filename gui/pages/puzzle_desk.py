@@ -47,7 +47,7 @@ class PuzzleDesk(QObject):
         self.window.jobs.idle.connect(self.show_status)
         self.page.folder_wanted.connect(self.files.open_folder)
         self.page.picture_wanted.connect(self.files.open_picture)
-        self.page.view.files_dropped.connect(self.drop)
+        self.page.view.files_dropped.connect(lambda paths: self.window.files.drop(paths))
         self.page.join.judge.named.connect(self.window.shapes.name_volunteer)
 
     def open(self, work: Callable[[], object]) -> None:
@@ -59,6 +59,12 @@ class PuzzleDesk(QObject):
     def open_example(self) -> None:
         """Open the bundled picture, cut into pieces."""
         self.open(self.solving.open_example)
+
+    def takes(self, paths: list[str]) -> bool:
+        """Whether what was dropped is meant for a puzzle: folders and pictures."""
+        from engine.puzzles.imagefile import SUFFIXES
+
+        return bool(paths) and all(Path(path).is_dir() or Path(path).suffix.lower() in SUFFIXES for path in paths)
 
     def drop(self, paths: list[str]) -> None:
         """Open what was dropped onto the page."""

@@ -49,6 +49,23 @@ def pair_of(puzzle: Puzzle, joins: Joins, row: int, turns: int) -> Pair:
     return Pair(pixels, meetings(sides[0][None], sides[1][None])[0])
 
 
+def stretched(pair: Pair) -> Pair:
+    """The pair with its tones near the seam spread over the whole range, so that dark or pale borders can be told apart.
+
+    All channels are scaled alike; one in a hundred pixels at either end may be cut off.
+    """
+    low, high = np.floor(pair.seam.min(axis=0) - 8).astype(int), np.ceil(pair.seam.max(axis=0) + 8).astype(int)
+    near = pair.pixels[max(low[1], 0) : high[1], max(low[0], 0) : high[0]]
+    seen = near[near[..., 3] == 255][:, :3]
+    if not len(seen):
+        return pair
+    dark, bright = np.percentile(seen, (1, 99))
+    wider = (pair.pixels[..., :3].astype(np.float64) - dark) * (255 / max(bright - dark, 1))
+    pixels = pair.pixels.copy()
+    pixels[..., :3] = np.clip(wider, 0, 255) * (pair.pixels[..., 3:] / 255)
+    return Pair(pixels, pair.seam)
+
+
 class Window(NamedTuple):
     """What a close-up shows: screen = scale · pixels + (x, y)."""
 
@@ -110,6 +127,8 @@ class JoinCloseup(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.theme, self.pair, self.slide = LIGHT, None, 0.0
+        self._plain: Pair | None = None
+        self.stretches = False
         self._last: QPointF | None = None
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setFixedHeight(224)
@@ -122,7 +141,13 @@ class JoinCloseup(QWidget):
 
     def show_pair(self, pair: Pair | None) -> None:
         """Show a join, or nothing."""
-        self.pair, self.slide = pair, 0.0
+        self._plain, self.slide = pair, 0.0
+        self.stretch(self.stretches)
+
+    def stretch(self, on: bool) -> None:
+        """Spread the tones of the borders, or show them as they are."""
+        self.stretches = on
+        self.pair = stretched(self._plain) if on and self._plain is not None else self._plain
         self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
@@ -178,7 +203,7 @@ class PartnerStrip(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.theme, self.partners = LIGHT, ()
+        self.theme, self.partners, self.stretches = LIGHT, (), False
         self.setFixedHeight(self.SIZE + self.TEXT)
         self.setMouseTracking(True)
         self.setAccessibleName("Other partners of this side")
@@ -193,6 +218,11 @@ class PartnerStrip(QWidget):
         self.partners = partners[: self.MOST]
         self.update()
 
+    def stretch(self, on: bool) -> None:
+        """Spread the tones of the borders, or show them as they are."""
+        self.stretches = on
+        self.update()
+
     def _box(self, k: int) -> QRectF:
         return QRectF(k * (self.SIZE + self.GAP), 0, self.SIZE, self.SIZE)
 
@@ -203,7 +233,8 @@ class PartnerStrip(QWidget):
         painter.setFont(font)
         for k, partner in enumerate(self.partners):
             box = self._box(k)
-            paint_pair(painter, box, partner.pair, self.theme, ticks=False)
+            pair = stretched(partner.pair) if self.stretches else partner.pair
+            paint_pair(painter, box, pair, self.theme, ticks=False)
             strong = partner.current
             painter.setPen(QPen(QColor(self.theme.accent if strong else self.theme.line), 3 if strong else 1))
             painter.setBrush(Qt.BrushStyle.NoBrush)

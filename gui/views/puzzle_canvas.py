@@ -24,7 +24,7 @@ from ..palette import LIGHT, Theme
 from .painting import paint_message
 from .puzzle_layout import Layout, growing, outlines
 from .puzzle_painting import Extent, Overlay, draw_joins, outline, paint_caption, paint_ground, paint_marks
-from .puzzle_scene import View, fitted, hit_join, hit_piece
+from .puzzle_scene import View, fitted, hit_join, hit_piece, kept
 from .puzzle_sheet import Sheet, compose, rasters
 from .puzzle_snap import snapped
 
@@ -136,7 +136,8 @@ class PuzzleCanvas(QWidget):
         if inside and scale == self.view.scale:
             return
         x, y = segment.mean(axis=0)
-        self.view = View(scale, self.width() / 2 - scale * x, self.height() / 2 - scale * y)
+        centred = View(scale, self.width() / 2 - scale * x, self.height() / 2 - scale * y)
+        self.view = kept(centred, self.layout_shown.box, self.width(), self.height())
         self.follows = False
         self._refresh()
 

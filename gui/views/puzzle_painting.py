@@ -55,7 +55,9 @@ def draw_joins(picture: np.ndarray, overlay: Overlay, view: View, ratio: float, 
     import cv2
 
     h, w = picture.shape[:2]
-    rows = np.flatnonzero(overlay.shown)
+    plain = overlay.shown.copy()
+    plain[list(overlay.judged)] = False  # those have the colour of their verdict
+    rows = np.flatnonzero(plain)
     if not len(rows):
         return
     segments = view.to_screen(overlay.seams[rows]) * ratio
@@ -170,6 +172,8 @@ def _paint_mark(painter: QPainter, segment: np.ndarray, judged: str, locked: boo
     long = float(np.hypot(*(segment[1] - segment[0])))
     if judged:
         colour = QColor(theme.state(judged))
+        painter.setPen(_pen(QColor(theme.halo), 6))
+        _line(painter, segment)
         painter.setPen(_dashed(colour, 4) if judged == "wrong" else _pen(colour, 4))
         _line(painter, segment)
     if long < 14:

@@ -51,6 +51,19 @@ def fitted(box: Box, width: float, height: float, margin: float = 24.0) -> View:
     return View(scale, width / 2 - scale * (box.x + box.w / 2), height / 2 - scale * (box.y + box.h / 2))
 
 
+def kept(view: View, box: Box, width: float, height: float, margin: float = 32.0) -> View:
+    """The same view shifted so that a box that fits is seen whole, and no more paper than a margin beside one that does not."""
+    shift = []
+    for start, long, room in ((view.scale * box.x + view.x, box.w * view.scale, width),
+                              (view.scale * box.y + view.y, box.h * view.scale, height)):  # fmt: skip
+        if long + 2 * margin <= room:
+            low, high = margin, room - margin - long
+        else:
+            low, high = room - margin - long, margin
+        shift.append(float(np.clip(start, low, high)) - start)
+    return view.moved(*shift)
+
+
 def join_key(sides: Iterable[int]) -> Key:
     """The name of a join, the same from both of its sides."""
     a, side_a, b, side_b = (int(k) for k in sides)

@@ -133,10 +133,12 @@ def test_an_image_is_cut_as_asked_and_a_folder_of_pieces_read_without_truth(wind
 
 def test_the_example_opens_from_the_empty_page(window, qtbot):
     assert not window.puzzle.page.invitation.isHidden()
+    assert window.puzzle.page.panel.isHidden()
     window.puzzle.open_example()
     settle(window, qtbot)
     assert state(window).puzzle.count > 200
     assert window.puzzle.page.invitation.isHidden()
+    assert not window.puzzle.page.panel.isHidden()
 
 
 @pytest.mark.parametrize("content", [b"not a picture", b""])
@@ -157,6 +159,21 @@ def test_what_cannot_be_dropped_is_said(window, tmp_path):
     assert check_droppable([str(tmp_path)]) == ("folder", str(tmp_path))
     with pytest.raises(BadInput):
         check_droppable([])
+
+
+def test_folders_and_pictures_go_to_the_puzzle_page_and_meshes_to_the_shapes(window, qtbot, tmp_path, monkeypatch):
+    assert window.puzzle.takes([str(tmp_path)])
+    assert window.puzzle.takes(["a.PNG"])
+    assert not window.puzzle.takes(["a.off", "b.png"])
+    assert not window.puzzle.takes([])
+    window.show_page("shapes")
+    asked = []
+    monkeypatch.setattr(window.puzzle.files, "ask_cut", asked.append)
+    window.files.drop(["beach.jpg"])
+    assert asked == ["beach.jpg"]
+    assert window.page == "puzzle"
+    window.puzzle.page.view.files_dropped.emit(["lamp.off"])
+    assert "drop the target" in window.messages.text.text()
 
 
 def test_the_dialog_gives_back_what_was_chosen(window, tmp_path):

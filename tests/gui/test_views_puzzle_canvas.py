@@ -12,7 +12,7 @@ from engine.puzzles.pieces import Puzzle
 from engine.puzzles.solution import Joins
 from gui.palette import DARK, LIGHT
 from gui.views import puzzle_sheet
-from gui.views.join_closeup import JoinCloseup, Partner, PartnerStrip, pair_of, window_on
+from gui.views.join_closeup import JoinCloseup, Partner, PartnerStrip, pair_of, stretched, window_on
 from gui.views.puzzle_canvas import PuzzleCanvas
 from gui.views.puzzle_layout import arrange
 from gui.views.puzzle_painting import Overlay
@@ -219,7 +219,7 @@ def test_a_join_out_of_sight_is_brought_into_it(canvas, world):
     canvas.view = View(40, 4000, 4000)
     segment = marks(world).seams[0]
     canvas.look_at(segment)
-    assert on_screen(canvas, *segment.mean(axis=0)) == pytest.approx((200, 200))
+    assert on_screen(canvas, *segment.mean(axis=0)) == pytest.approx((200, 128))  # and the whole picture stays in sight
     view = canvas.view
     canvas.look_at(marks(world).seams[1])  # already in sight
     assert canvas.view == view
@@ -271,6 +271,16 @@ def test_pairs_of_turned_pieces_are_cut_from_the_picture():
         x, y = np.minimum(truth.position[a], truth.position[b])
         h, w = pair.pixels.shape[:2]
         assert (pair.pixels == picture[y : y + h, x : x + w]).all()
+
+
+def test_stretching_tells_dark_borders_apart_and_keeps_what_is_transparent():
+    dark = Puzzle((flat([10, 10, 10], 8, 8), flat([14, 14, 14], 8, 8), flat([250, 250, 250], 8, 8)))
+    joins = Joins(np.array([[0, 1, 1, 3]]), np.array([[8, 2]]), np.zeros(1), np.ones(1))
+    pair = stretched(pair_of(dark, joins, 0, 0))
+    assert pair.pixels.shape == (10, 16, 4)
+    assert tuple(pair.pixels[3, 7]) == (0, 0, 0, 255)
+    assert tuple(pair.pixels[3, 8]) == (255, 255, 255, 255)
+    assert tuple(pair.pixels[0, 12]) == (0, 0, 0, 0)
 
 
 def test_a_short_seam_is_seen_whole_and_a_long_one_in_part(world):

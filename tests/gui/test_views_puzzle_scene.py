@@ -23,6 +23,7 @@ from gui.views.puzzle_scene import (
     in_view,
     join_key,
     join_keys,
+    kept,
     meetings,
     next_in,
     seams,
@@ -52,6 +53,13 @@ def test_a_fitted_view_shows_the_whole_box_centred():
     view = fitted(Box(10, 20, 100, 50), 400, 400, 50)
     assert view.scale == 3
     assert view.to_screen(np.array([60, 45])).tolist() == [200, 200]
+
+
+def test_a_view_is_shifted_until_a_box_that_fits_is_seen_and_a_large_one_fills_it():
+    small, large = Box(0, 0, 10, 10), Box(0, 0, 100, 100)
+    assert kept(View(10, 395, -80), small, 400, 400, 20) == View(10, 280, 20)
+    assert kept(View(10, 150, 120), small, 400, 400, 20) == View(10, 150, 120)
+    assert kept(View(10, 300, -900), large, 400, 400, 20) == View(10, 20, -620)
 
 
 def test_the_name_of_a_join_is_the_same_from_both_sides():

@@ -114,6 +114,7 @@ class PuzzlePage(QWidget):
         self.join.locked.connect(self.hands.lock)
         self.join.rejected.connect(self.hands.reject)
         self.join.cleared.connect(self.hands.clear)
+        self.join.wishes_of = self.hands.taken_back
         self.join.judge.answered.connect(self.judging.answer)
         self.judging.saved.connect(self.join.judge.state.setText)
         self.judging.advanced.connect(self.look)

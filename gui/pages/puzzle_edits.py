@@ -77,6 +77,11 @@ def unpin(wishes: Wishes, pieces: Iterable[int]) -> Wishes:
     return replace(wishes, pinned=tuple(p for p in wishes.pinned if p.piece not in gone))
 
 
+def released(wishes: Wishes, key: Key) -> Wishes:
+    """Neither hold nor reject a join any more."""
+    return replace(wishes, locked=without(wishes.locked, [key]), forbidden=without(wishes.forbidden, [key]))
+
+
 def group(piece: int, locked: Joins) -> frozenset[int]:
     """The pieces that hang on a piece by held joins, itself among them."""
     found, edge = {piece}, [piece]

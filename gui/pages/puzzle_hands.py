@@ -1,5 +1,6 @@
 """What hands do to a puzzle, as changes of the session: lock, reject, carry, turn, take back."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -20,11 +21,13 @@ from .puzzle_edits import (
     one,
     pin,
     placed_by_hand,
+    released,
     shifted,
     taken_out,
     unpin,
 )
 from .puzzle_judging import shown_join
+from .puzzle_overlay import join_text
 from .puzzle_state import PuzzleState, by_worst
 
 
@@ -104,6 +107,22 @@ class Hands(QObject):
         old = pin_of(state.solution, state.piece)
         new = old._replace(quarter_turns=(old.quarter_turns + 1) % 4)
         self._hold(state.solution, [new], pin(state.wishes, [new]), int(state.solution.picture[state.piece]), state.piece)
+
+    def taken_back(self) -> list[tuple[str, Callable[[], object]]]:
+        """Every lock, rejection and pin in words, the newest first, and what takes it back."""
+        state: PuzzleState = self.session.state
+        if state.puzzle is None:
+            return []
+        turns = np.zeros(state.puzzle.count, np.int64) if state.solution is None else state.solution.turns
+        found: list[tuple[str, Callable[[], object]]] = []
+        for joins, word in ((state.wishes.locked, "Locked"), (state.wishes.forbidden, "Rejected")):
+            for row, key in enumerate(join_keys(joins)):
+                words = f"{word}:  {join_text(state.puzzle, turns, joins, row)}"
+                found.append((words, lambda key=key: self._wish(released(self.session.state.wishes, key))))
+        for p in state.wishes.pinned:
+            words = f"Pinned:  {state.puzzle.pieces[p.piece].name or f'piece {p.piece + 1}'}"
+            found.append((words, lambda piece=p.piece: self._wish(unpin(self.session.state.wishes, [piece]))))
+        return found[::-1]
 
     def clear(self) -> None:
         """Forget all locks, rejections and pins."""

@@ -1,10 +1,10 @@
 """The right panel of the puzzle page: one join from close by, what else its side could join, and what to do with it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QToolButton, QVBoxLayout, QWidget
 
 from ..palette import Theme
 from ..views.join_closeup import JoinCloseup, Pair, Partner, PartnerStrip
@@ -47,8 +47,7 @@ class JoinPanel(QWidget):
         self.heading = QLabel("", self)
         self.heading.setObjectName("group-heading")
         self.facts, self.partners_heading = QLabel("", self, wordWrap=True), QLabel("", self)
-        self.wishes = QLabel("", self)
-        for label in (self.facts, self.partners_heading, self.wishes):
+        for label in (self.facts, self.partners_heading):
             label.setObjectName("soft")
             label.setTextFormat(Qt.TextFormat.PlainText)
         self.closeup, self.strip, self.judge = JoinCloseup(self), PartnerStrip(self), JudgeStrip(self)
@@ -61,19 +60,23 @@ class JoinPanel(QWidget):
         self.turn_round = self._tool("⇄", "Partners of the other piece's side", self.other_side.emit)
         self.lock = self._button("Lock  (L)", "Hold this join or piece whatever the solver thinks (L)", self.locked.emit)
         self.reject = self._button("Reject  (X)", "Forbid this join, or all joins of the chosen piece (X)", self.rejected.emit)
-        self.clear = self._button("Clear", "Forget all locks, rejections and pins", self.cleared.emit)
-        self.clear.setObjectName("plain")
+        self.wishes = self._button("", "What was locked, rejected and pinned; choose one to take it back", lambda: None)
+        self.wishes.setObjectName("plain")
+        self.menu = QMenu(self.wishes)
+        self.menu.aboutToShow.connect(self._fill_menu)
+        self.wishes.setMenu(self.menu)
+        self.wishes_of: Callable[[], Sequence[tuple[str, Callable[[], object]]]] = lambda: ()
         self.strip.picked.connect(self.partner_picked)
         self._lay_out()
 
-    def _tool(self, text: str, tip: str, pressed: object) -> QToolButton:
+    def _tool(self, text: str, tip: str, pressed: Callable[[], object]) -> QToolButton:
         button = QToolButton(self, text=text, autoRaise=True, toolTip=tip)
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         button.setFixedSize(26, 24)
         button.clicked.connect(lambda _=False: pressed())
         return button
 
-    def _button(self, text: str, tip: str, pressed: object) -> QPushButton:
+    def _button(self, text: str, tip: str, pressed: Callable[[], object]) -> QPushButton:
         button = QPushButton(text, self, toolTip=tip)
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         button.clicked.connect(lambda _=False: pressed())
@@ -93,7 +96,7 @@ class JoinPanel(QWidget):
         buttons.addWidget(self.lock, 1)
         buttons.addWidget(self.reject, 1)
         column.addLayout(buttons)
-        column.addLayout(_row(self.wishes, None, self.clear))
+        column.addLayout(_row(self.wishes, None))
         column.addStretch(1)
         column.addWidget(self.judge)
 
@@ -101,6 +104,13 @@ class JoinPanel(QWidget):
         """Take other colours."""
         self.closeup.set_theme(theme)
         self.strip.set_theme(theme)
+
+    def _fill_menu(self) -> None:
+        self.menu.clear()
+        for words, take_back in self.wishes_of():
+            self.menu.addAction(words).triggered.connect(lambda _=False, take_back=take_back: take_back())
+        self.menu.addSeparator()
+        self.menu.addAction("Take back all of them").triggered.connect(lambda _=False: self.cleared.emit())
 
     def show_join(self, shown: Shown) -> None:
         """Show a join, or how to choose one."""
@@ -118,7 +128,7 @@ class JoinPanel(QWidget):
         self.lock.setEnabled(lock)
         self.reject.setEnabled(lock)
         self.wishes.setText(wishes)
-        self.clear.setVisible(bool(wishes))
+        self.wishes.setVisible(bool(wishes))
         self.judge.show_state(asked)
 
 

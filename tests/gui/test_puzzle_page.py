@@ -308,6 +308,28 @@ def test_a_locked_join_is_held_marked_and_let_go_again(ready, qtbot):
     assert not state(ready).wishes
 
 
+def test_each_wish_can_be_taken_back_by_itself(ready, qtbot):
+    first = choose(ready, 3)
+    press(ready, qtbot, Qt.Key.Key_X)
+    choose(ready, 7)
+    press(ready, qtbot, Qt.Key.Key_L)
+    ready.puzzle.session.update(piece=2, selected=None)
+    press(ready, qtbot, Qt.Key.Key_L)
+    panel = ready.puzzle.page.join
+    assert panel.wishes.text() == "1 locked · 1 rejected · 1 pinned"
+    panel.menu.aboutToShow.emit()
+    words = [action.text() for action in panel.menu.actions() if action.text()]
+    assert [text.split(":")[0] for text in words] == ["Pinned", "Rejected", "Locked", "Take back all of them"]
+    assert all(f"piece {k + 1}" in words[1] for k in first[::2])
+    panel.menu.actions()[1].trigger()
+    settle(ready, qtbot)
+    assert [len(w) for w in (state(ready).wishes.locked, state(ready).wishes.forbidden, state(ready).wishes.pinned)] == [1, 0, 1]
+    panel.menu.actions()[-1].trigger()
+    settle(ready, qtbot)
+    assert not state(ready).wishes
+    assert panel.wishes.isHidden()
+
+
 def test_another_partner_is_tried_out_and_locked_into_the_picture(ready, qtbot):
     choose(ready, 6)
     strip, row = ready.puzzle.page.join.strip, state(ready).row

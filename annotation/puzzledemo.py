@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from .database import StudyFile
 
-WAYS = (("auto", "learned"), ("mst", "mgc-root"), ("mst", "emd-lab"))  # methods and measures to be compared
+WAYS = (("auto", "learned"), ("mst", "mgc-root"), ("mst", "emd-lab"), ("diffusion", "emd-lab"))  # methods and measures to be compared
 PIECE_SIZE = 28  # pixels of a square: 378 pieces
 SET = "portrait"
 

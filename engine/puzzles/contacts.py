@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from .measures import _DUMMIES, EMD, LPQ, MGC, MGC_PT, MGC_ROOT, PT, SSD, emd, lpq, mgc, predicted_l1, ssd
+from .measures import _DUMMIES, EMD, LPQ, MGC, MGC_PT, MGC_ROOT, PT, SSD, P, Q, emd, lpq, mgc, predicted_l1, ssd
 from .pieces import Piece
 from .subedges import Sides
 
@@ -131,7 +131,7 @@ def unlikeness(code, a, a_in, b, b_in, seam):  # type: ignore[no-untyped-def]
     if code == SSD:
         return ssd(a, b) / n
     if code == LPQ:
-        return lpq(a, a_in, b, b_in)
+        return lpq(a, a_in, b, b_in) / n ** (Q / P)
     if code == PT:
         return predicted_l1(a, a_in, b, b_in) / n
     if code == EMD:
@@ -183,9 +183,9 @@ def contact_features(code, a, a_in, b, b_in, seam, z):  # type: ignore[no-untype
 
 
 @njit(cache=True, nogil=True)
-def log_odds(form, z, k):  # type: ignore[no-untyped-def]
-    """The quadratic form (1, z)ᵀ Q (1, z), Q stored as its upper triangle."""
-    total = form[0, 0]
+def log_odds(form, z):  # type: ignore[no-untyped-def]
+    """The quadratic form (1, z)ᵀ Q (1, z), Q (k+1, k+1) stored as its upper triangle."""
+    k, total = len(form) - 1, form[0, 0]
     for i in range(k):
         total += form[0, i + 1] * z[i]
         for j in range(i, k):
@@ -205,7 +205,7 @@ def features_of(g, e, i, f, j, n, z):  # type: ignore[no-untyped-def]
 def side_odds(g, e, i, f, j, n, z):  # type: ignore[no-untyped-def]
     """Log odds that the contact of n samples from i on side e and from j on side f is a true one (z is scratch)."""
     features_of(g, e, i, f, j, n, z)
-    return log_odds(g.form, z, len(g.form) - 1)
+    return log_odds(g.form, z)
 
 
 @njit(cache=True, nogil=True)
@@ -242,3 +242,12 @@ def _belongs(g, i, turns, x, y):  # type: ignore[no-untyped-def]
     elif turns == 3:
         x, y = w - 1 - y, x
     return g.mask[g.mask_first[i] + y * w + x]
+
+
+@njit(cache=True, nogil=True)
+def all_odds(form, features):  # type: ignore[no-untyped-def]
+    """Log odds (c,) of contacts with features (c, k)."""
+    result = np.empty(len(features))
+    for k in range(len(features)):
+        result[k] = log_odds(form, features[k])
+    return result

@@ -21,7 +21,7 @@ def check_wishes(puzzle: Puzzle, wishes: Wishes) -> None:
         _check_ends(puzzle, joins, word)
     _check_sides(puzzle, wishes)
     _check_pins(puzzle, wishes)
-    for chain, pinned in _chains(puzzle, wishes):
+    for chain, pinned in chains(puzzle, wishes):
         _check_places(puzzle, chain, pinned)
 
 
@@ -81,7 +81,7 @@ def _check_pins(puzzle: Puzzle, wishes: Wishes) -> None:
             raise BadInput(f"Piece {pin.piece} is pinned to ({pin.x}, {pin.y}); squares lie at multiples of {puzzle.square} pixels.")
 
 
-def _chains(puzzle: Puzzle, wishes: Wishes) -> list[tuple[dict[int, State], bool]]:
+def chains(puzzle: Puzzle, wishes: Wishes) -> list[tuple[dict[int, State], bool]]:
     """Where the pieces of each locked chain stand to each other, and whether that is in the picture; pins are one chain.
 
     Raises `BadInput` where a chain does not close or two pins contradict what is locked between them.

@@ -87,14 +87,15 @@ def test_a_written_png_comes_back(tmp_path):
     assert np.array_equal(read_image(tmp_path / "a.png")[..., :3], CORNERS)
 
 
-def huge_png(width, height):
-    """A valid PNG of black grey pixels that is small on disk."""
+def huge_png(width, height, rows=None):
+    """A PNG of black grey pixels that is small on disk; valid, or with fewer rows than it says."""
+
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
     deflate = zlib.compressobj(1)
-    rows = bytes(100 * (width + 1))
-    data = b"".join(deflate.compress(rows) for _ in range(height // 100)) + deflate.flush()
+    hundred = bytes(100 * (width + 1))
+    data = b"".join(deflate.compress(hundred) for _ in range((rows or height) // 100)) + deflate.flush()
     head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
 

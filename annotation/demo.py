@@ -7,10 +7,10 @@ from assets import example_pairs
 from engine.cli import progress_bar
 from engine.progress import Progress, share
 from engine.shapes.parameters import DEFAULT_PRESET, preset
-from engine.store import default_cache, output_folder, write_atomically
+from engine.store import default_cache, write_atomically
 
 from .precision import ballots, precision_table
-from .puzzledemo import judge_example_puzzle, vote_by_truth
+from .puzzledemo import judge_example_puzzles, vote_by_truth
 from .study import add_result, create_study, open_study
 from .tabletext import render
 
@@ -27,8 +27,8 @@ TRUTH = "truth"  # the code that the known classes of the examples vote under
 def run_demo(folder: Path, draw: "PictureMaker") -> None:
     """Match the first bundled pair into `folder`, and all pairs under three presets into a study with its table.
 
-    Beside it, the bundled picture is cut up and put together again into `folder/puzzle`, and its joins are in the
-    study too. The study's votes come from one volunteer, "truth": the semantic classes that ship with the examples, by
+    Beside it, two pictures are cut up and put together again into `folder/puzzle` and `folder/turned`, and their joins
+    are in the study too. The study's votes come from one volunteer, "truth": the semantic classes that ship with the examples, by
     the lenient rule, and where the pieces were cut from. `table.txt`, `table.csv` and the report hold the precision
     table; `demo.study` can be opened and voted on, and a second run keeps the votes that are there.
     """
@@ -41,7 +41,7 @@ def run_demo(folder: Path, draw: "PictureMaker") -> None:
     with opened as study:
         with progress_bar() as progress:
             shown = _judge_examples(study, share(progress, 0.0, 0.8))
-            joined = judge_example_puzzle(study, output_folder(folder / "puzzle"), TRUTH, progress=share(progress, 0.8, 1.0))
+            joined = judge_example_puzzles(study, folder, TRUTH, progress=share(progress, 0.8, 1.0))
         rows, votes = precision_table(study), ballots(study)
     table = render(rows, votes)
     write_atomically(folder / "table.txt", table)
@@ -49,7 +49,7 @@ def run_demo(folder: Path, draw: "PictureMaker") -> None:
     source, target = (load_shape(path) for path in example_pairs()[0][1:])
     write_matches(shown, folder, report=report_page(shown, draw(source, target, shown), [_section(table)]))
     print(table)
-    print(f"{joined}.")
+    print(*joined, sep="\n")
     print(f"{len(shown.ids)} matches between {source.mesh.name} and {target.mesh.name}; all results are in {folder}")
 
 
@@ -82,5 +82,5 @@ def _section(table: str) -> tuple[str, str]:
     from html import escape
 
     words = ("Votes of the semantic classes that ship with the bundled pairs (lenient rule) and of where the pieces of the "
-             "bundled picture were cut from, both as volunteer truth, and of people.")  # fmt: skip
+             "two pictures were cut from, both as volunteer truth, and of people.")  # fmt: skip
     return "Precision on the bundled examples", f"<p>{escape(words)}</p><pre>{escape(table)}</pre>"

@@ -86,14 +86,16 @@ def test_the_demo_goes_from_meshes_and_pieces_to_a_precision_table(tmp_path, mon
         assert answers(study, "ann") == {item: "unsure"}  # a second run keeps what people said
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"matches.json", "matches.csv", "parameters.json", "report.html", "table.csv", "demo.study"} <= written
-    written = {path.name for path in (tmp_path / "out" / "puzzle").iterdir()}
-    assert {"solution.json", "joins.csv", "assembled.png", "report.html"} <= written
+    for folder in ("puzzle", "turned"):
+        written = {path.name for path in (tmp_path / "out" / folder).iterdir()}
+        assert {"solution.json", "joins.csv", "assembled.png", "report.html"} <= written
     said = capsys.readouterr().out
     assert "top-down" in said
     assert "120 of 120 pieces of grace_hopper stand where they belong" in said
     assert main(["study", "table", str(tmp_path / "out" / "demo.study"), "--format", "csv"]) == 0
     rows = {(row["method"], row["preset"], row["set"]): row for row in csv.DictReader(io.StringIO(capsys.readouterr().out))}
     assert ("top-down", "top-down", "lamps") in rows
-    auto, ssd = rows["auto", "learned", "portrait"], rows["mst", "ssd", "portrait"]
+    auto, ssd = rows["auto", "learned", "grace_hopper"], rows["mst", "ssd", "grace_hopper"]
     assert (auto["judged"], auto["correct"]) == ("218", "218")  # 10 × 12 squares have 218 neighbours
     assert int(ssd["correct"]) <= 218
+    assert int(rows["auto", "learned", "landscape"]["correct"]) == 13 * 9 + 12 * 10  # 13 × 10 turned squares

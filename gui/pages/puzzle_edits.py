@@ -47,12 +47,15 @@ def held(joins: Joins) -> Joins:
     return replace(joins, confidence=np.ones(len(joins)), confirmed_by=("person",) * len(joins))
 
 
-def lock(wishes: Wishes, join: Joins) -> Wishes:
-    """Hold a join (one row), or let it go if it is held; what else its two sides were said to join is taken back."""
+def lock(wishes: Wishes, join: Joins, *, single: bool) -> Wishes:
+    """Hold a join (one row), or let it go if it is held.
+
+    Where a side has a `single` partner, what else the two sides were said to join is taken back.
+    """
     (key,) = join_keys(join)
     if key in join_keys(wishes.locked):
         return replace(wishes, locked=without(wishes.locked, [key]))
-    rivals = [k for k in join_keys(wishes.locked) if _shares_side(k, key)]
+    rivals = [k for k in join_keys(wishes.locked) if single and _shares_side(k, key)]
     locked = together(without(wishes.locked, rivals), held(join))
     return replace(wishes, locked=locked, forbidden=without(wishes.forbidden, [key]))
 

@@ -11,8 +11,10 @@ from engine.puzzles.solution import Pin, PuzzleSolution, Wishes
 from ..session import Session
 from ..views.puzzle_layout import Layout, outlines, turned_sizes
 from ..views.puzzle_scene import join_key, join_keys, next_in
+from .puzzle_contacts import contacts
 from .puzzle_edits import (
     NO_WISHES,
+    chosen,
     empty_solution,
     forbid,
     group,
@@ -25,10 +27,11 @@ from .puzzle_edits import (
     shifted,
     taken_out,
     unpin,
+    without,
 )
 from .puzzle_judging import shown_join
 from .puzzle_overlay import join_text
-from .puzzle_state import PuzzleState, by_worst
+from .puzzle_state import PuzzleState, by_worst, frame_known
 
 
 class Hands(QObject):
@@ -47,7 +50,7 @@ class Hands(QObject):
         joins, row = shown_join(state)
         if joins is not None:
             wanted = one(joins, row)
-            self._wish(lock(state.wishes, wanted), selected=join_keys(wanted)[0], preview=None)
+            self._wish(lock(state.wishes, wanted, single=state.puzzle.square is not None), selected=join_keys(wanted)[0], preview=None)
         elif state.piece >= 0 and any(p.piece == state.piece for p in state.wishes.pinned):
             self._wish(unpin(state.wishes, [state.piece]))
         elif state.piece >= 0 and state.solution is not None and state.solution.placed[state.piece]:
@@ -98,6 +101,20 @@ class Hands(QObject):
         held = [goal, *(p for p in carried[1:] if p.piece in pinned)]
         self._hold(before, carried, pin(state.wishes, held), picture, piece)
 
+    def _settled(self, before: PuzzleSolution, after: PuzzleSolution, moved: frozenset[int], wishes: Wishes) -> Wishes:
+        """Without a frame a place means its neighbours: hold the joins at the new place, forbid those that were left."""
+        puzzle = self.session.state.puzzle
+        there = contacts(puzzle, after, moved)
+        new = set(join_keys(there))
+        ours = np.isin(before.joins.sides[:, [0, 2]], list(moved))
+        left = chosen(before.joins, ours.any(axis=1) & ~ours.all(axis=1))
+        left = without(left, new)
+        wishes = forbid(wishes, left) if len(left) else wishes
+        for row, key in enumerate(join_keys(there)):
+            if key not in join_keys(wishes.locked):
+                wishes = lock(wishes, one(there, row), single=puzzle.square is not None)
+        return wishes
+
     def turn(self) -> None:
         """Turn the chosen piece clockwise by a quarter where it stands."""
         state: PuzzleState = self.session.state
@@ -145,6 +162,7 @@ class Hands(QObject):
         puzzle = self.session.state.puzzle
         solution = placed_by_hand(puzzle, before, carried, picture)
         if not frame_known(self.session.state):
+            wishes = self._settled(before, solution, frozenset(p.piece for p in carried), wishes)
             solution, wishes = shifted(puzzle, solution, wishes)
         self._wish(wishes, solution=solution, selected=None, preview=None, piece=piece)
 
@@ -158,11 +176,6 @@ def pin_of(solution: PuzzleSolution, piece: int) -> Pin:
     """A piece held where a solution has it."""
     x, y = solution.position[piece].tolist()
     return Pin(piece, x, y, int(solution.turns[piece]))
-
-
-def frame_known(state: PuzzleState) -> bool:
-    """Whether the picture's size is known and may be used."""
-    return state.puzzle.frame is not None and state.parameters.frame == "known"
 
 
 def within(state: PuzzleState, goal: Pin, size: tuple[float, float] | None) -> Pin:

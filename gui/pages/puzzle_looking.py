@@ -109,8 +109,8 @@ def partner_tip(puzzle: Puzzle, found: Joins, k: int, turns: object) -> str:
 
 def _heading(state: PuzzleState) -> str:
     if state.piece >= 0 and state.puzzle is not None:
-        name = state.puzzle.pieces[state.piece].name or f"piece {state.piece + 1}"
-        return name[:1].upper() + name[1:]
+        name = state.puzzle.pieces[state.piece].name
+        return name.replace("piece", "Piece", 1) if name.startswith("piece ") else name or f"Piece {state.piece + 1}"
     return "Joins"
 
 

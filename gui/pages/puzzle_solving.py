@@ -16,7 +16,8 @@ from engine.puzzles.solution import PuzzleSolution, Wishes
 
 from ..jobs import FOLLOW, SUPERSEDE, Jobs
 from ..session import Session
-from .puzzle_state import ASSEMBLE, NOTHING, PREPARE, Marks, PuzzleState, needed, opened, slow_values
+from .puzzle_edits import shifted
+from .puzzle_state import ASSEMBLE, NOTHING, PREPARE, Marks, PuzzleState, frame_known, needed, opened, slow_values
 
 EXAMPLE_PIECES = 300
 QUICK = 0.3  # seconds: an assembly as quick as this is shown at every step of a slider
@@ -178,7 +179,10 @@ class Solving(QObject):
             self.session.update(record=False, **ready)
             return
         self.took.emit(seconds)
-        self.session.update(record=False, **ready, solution=solution, solved_with=wishes, marks=marks, items=(), preview=None)
+        if not frame_known(now):  # then only relative places count, and pictures begin at (0, 0)
+            solution, wishes = shifted(puzzle, solution, wishes)
+        self.session.update(record=False, **ready, solution=solution, wishes=wishes, solved_with=wishes, marks=marks,
+                            items=(), preview=None)  # fmt: skip
 
     def _give_up(self, wishes: Wishes, sentence: str, details: str) -> None:
         """What cannot be solved is taken back: the last wishes, or having asked."""
@@ -200,8 +204,13 @@ def check_droppable(paths: list[str]) -> tuple[str, str]:
 
 
 def moved_pieces(before: PuzzleSolution | None, after: PuzzleSolution) -> np.ndarray:
-    """The pieces (k,) that another solution puts elsewhere."""
+    """The pieces (k,) that another solution puts elsewhere, apart from a shift that most of them share."""
     if before is None or len(before.picture) != len(after.picture):
         return np.zeros(0, np.int64)
-    stays = (before.picture == after.picture) & (before.position == after.position).all(axis=1) & (before.turns == after.turns)
+    step = after.position - before.position
+    both = before.placed & after.placed
+    if both.any():
+        shifts, count = np.unique(step[both], axis=0, return_counts=True)
+        step = step - shifts[count.argmax()]
+    stays = (before.picture == after.picture) & (before.turns == after.turns) & ((step == 0).all(axis=1) | ~both)
     return np.flatnonzero(~stays)

@@ -99,6 +99,11 @@ def needed(state: PuzzleState) -> str:
     return ASSEMBLE if ready and slow_values(state.prepared_with) == slow_values(state.parameters) else PREPARE
 
 
+def frame_known(state: PuzzleState) -> bool:
+    """Whether the picture's size is known and may be used."""
+    return state.puzzle.frame is not None and state.parameters.frame == "known"
+
+
 def opened(puzzle: Puzzle, truth: Truth | None, origin: str) -> dict[str, Any]:
     """The changes of a state that put another puzzle on the table."""
     return {

@@ -143,7 +143,8 @@ class PuzzleCanvas(QWidget):
 
     def flash(self, pieces: np.ndarray) -> None:
         """Frame pieces for a moment: those that another solution has moved, unless that is nearly everything."""
-        self._flashed = tuple(pieces.tolist()) if len(pieces) <= MOST_FLASHED else ()
+        total = 0 if self.layout_shown is None else len(self.layout_shown.placed)
+        self._flashed = tuple(pieces.tolist()) if len(pieces) <= min(MOST_FLASHED, total / 2) else ()
         if self._flashed:
             self._calm.start()
         self.update()

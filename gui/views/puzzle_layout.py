@@ -165,11 +165,12 @@ def _tray(size: np.ndarray, areas: Sequence[Box], gap: int, aspect: float) -> tu
     whole = areas[0]
     for area in areas[1:]:
         whole = whole.united(area)
+    away = max(2 * gap, round(0.045 * max(whole.w, whole.h)))  # room for the tray's name
     choices = []
     for beside in (True, False):
         width = max(widest, round(room / whole.h) if beside else round(whole.w))
         position, box = shelves(size, width, gap)
-        at = (whole.x + whole.w + 2 * gap, whole.y) if beside else (whole.x, whole.y + whole.h + 2 * gap)
+        at = (whole.x + whole.w + away, whole.y) if beside else (whole.x, whole.y + whole.h + away)
         moved = Box(box.x + at[0], box.y + at[1], box.w, box.h)
         both = whole.united(moved)
         choices.append((min(aspect / both.w, 1 / both.h), position + np.array(at, np.int64), moved))

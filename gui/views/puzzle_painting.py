@@ -98,10 +98,12 @@ def paint_ground(painter: QPainter, layout: Layout, view: View, theme: Theme) ->
         painter.drawRoundedRect(box, 8, 8)
         left = int((~layout.placed).sum())
         _label(painter, box, f"Tray · {left} piece{'s' * (left != 1)}", theme)
-    placed = int(layout.placed.sum())
-    if layout.pictures and layout.tray is not None:
-        words = f"Picture · {placed} placed" if placed else "Picture · nothing placed yet"
-        _label(painter, _screen(layout.pictures[0], view), words, theme)
+    if layout.tray is not None or len(layout.pictures) > 1:
+        middles = layout.position[layout.placed] + layout.size[layout.placed] / 2
+        for k, area in enumerate(layout.pictures, 1):
+            inside = ((middles >= area[:2]) & (middles <= (area.x + area.w, area.y + area.h))).all(axis=1).sum()
+            name = "Picture" if len(layout.pictures) == 1 else f"Picture {k}"
+            _label(painter, _screen(area, view), f"{name} · {inside or 'nothing'} placed{'' if inside else ' yet'}", theme)
 
 
 def paint_marks(painter: QPainter, layout: Layout, overlay: Overlay, view: View, theme: Theme, extent: Extent) -> None:

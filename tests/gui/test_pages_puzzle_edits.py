@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from jigsaw import flat, true_solution, two_by_two
+from jigsaw import PX, cut_small, flat, true_solution, two_by_two
 
 from engine.puzzles.parameters import PuzzleParameters
 from engine.puzzles.pieces import Puzzle
-from engine.puzzles.solution import UNPLACED, Joins, Pin
+from engine.puzzles.solution import UNPLACED, Joins, Pin, no_joins
+from gui.pages.puzzle_contacts import contacts
 from gui.pages.puzzle_edits import (
     NO_WISHES,
     empty_solution,
@@ -49,25 +50,27 @@ def join(a, side_a, b, side_b):
 
 def test_locking_holds_a_join_as_certain_and_again_lets_it_go(square):
     joins = square[1].joins
-    held = lock(NO_WISHES, one(joins, 1))
+    held = lock(NO_WISHES, one(joins, 1), single=True)
     assert join_keys(held.locked) == [KEYS[1]]
     assert held.locked.confidence.tolist() == [1.0]
     assert held.locked.confirmed_by == ("person",)
     assert held.locked.offset.tolist() == [[0, 4]]
-    assert len(lock(held, one(joins, 1)).locked) == 0
+    assert len(lock(held, one(joins, 1), single=True).locked) == 0
 
 
 def test_locking_takes_back_what_its_sides_were_locked_to_and_its_own_rejection():
-    wishes = lock(lock(NO_WISHES, join(0, 1, 1, 3)), join(4, 1, 5, 3))
+    wishes = lock(lock(NO_WISHES, join(0, 1, 1, 3), single=True), join(4, 1, 5, 3), single=True)
     wishes = forbid(wishes, join(3, 3, 0, 1))
-    wishes = lock(wishes, join(0, 1, 3, 3))
+    uneven = lock(wishes, join(0, 1, 3, 3), single=False)
+    assert len(uneven.locked) == 3  # a long side may have several partners
+    wishes = lock(wishes, join(0, 1, 3, 3), single=True)
     assert join_keys(wishes.locked) == [(4, 1, 5, 3), (0, 1, 3, 3)]
     assert not len(wishes.forbidden)
 
 
 def test_rejecting_ends_a_lock_and_is_kept_once(square):
     joins = square[1].joins
-    wishes = forbid(lock(NO_WISHES, one(joins, 2)), one(joins, 2))
+    wishes = forbid(lock(NO_WISHES, one(joins, 2), single=True), one(joins, 2))
     wishes = forbid(wishes, joins_of_piece(joins, 3))
     assert not len(wishes.locked)
     assert sorted(join_keys(wishes.forbidden)) == [KEYS[2], KEYS[3]]
@@ -134,6 +137,37 @@ def test_only_pixels_count_for_overlaps_and_slivers_do_not():
     assert overlapping(puzzle, np.array([0, 0, 1]), at, turns, np.array([0, 1])).tolist() == []  # in another picture
 
 
+def test_sides_that_touch_are_joins_as_the_solver_writes_them():
+    puzzle, truth = cut_small(turned=True, seed=4)
+    solution = true_solution(puzzle, truth)
+    piece = int(np.flatnonzero((truth.position == (PX, PX)).all(axis=1))[0])
+    found = contacts(puzzle, solution, frozenset({piece}))
+    assert len(found) == 4
+    for row, key in enumerate(join_keys(found)):
+        there = row_of(solution.joins, key)
+        assert there >= 0
+        if found.sides[row, 0] == solution.joins.sides[there, 0]:
+            assert found.offset[row].tolist() == solution.joins.offset[there].tolist()
+            assert found.turn[row] == solution.joins.turn[there]
+    pair = frozenset({piece, int(found.sides[0, 2])})
+    assert all(len({a, b} & pair) == 1 for a, _, b, _ in contacts(puzzle, solution, pair).sides.tolist())
+
+
+def test_sides_touch_across_a_small_gap_along_half_of_the_shorter_one():
+    puzzle = Puzzle((flat([1, 1, 1], 8, 4), flat([2, 2, 2], 4, 4)))
+
+    def touching(x, y):
+        at = replace(true_solution(*two_by_two()), picture=np.zeros(2), position=np.array([[0, 0], [x, y]]), turns=np.zeros(2),
+                     joins=no_joins())  # fmt: skip
+        return join_keys(contacts(puzzle, at, frozenset({1})))
+
+    assert touching(0, 4) == touching(6, 4) == touching(2, 6) == [(0, 2, 1, 0)]
+    assert touching(7, 4) == []  # a quarter of the shorter side
+    assert touching(0, 8) == []  # too far
+    assert touching(8, 0) == [(0, 1, 1, 3)]
+    assert touching(-4, 0) == [(0, 3, 1, 1)]
+
+
 def test_without_a_frame_only_relative_places_count(square):
     puzzle, solution = square
     moved = replace(solution, position=solution.position - 4)
@@ -148,6 +182,9 @@ def test_pieces_that_moved_are_found(square):
     other = replace(solution, turns=np.array([0, 1, 0, 0]), picture=np.array([0, 0, UNPLACED, 0]))
     assert moved_pieces(solution, other).tolist() == [1, 2]
     assert moved_pieces(None, other).tolist() == []
+    all_ = replace(solution, position=solution.position + 4)
+    assert moved_pieces(solution, all_).tolist() == []
+    assert moved_pieces(solution, replace(all_, position=np.array([[4, 4], [8, 4], [4, 8], [9, 8]]))).tolist() == [3]
 
 
 # --- the state
@@ -175,7 +212,7 @@ def test_the_worst_joins_come_first_without_held_and_certain_ones(square):
     state = solved(square)
     assert by_worst(state) == [1, 3, 0]
     assert by_worst(replace(state, below=1.0)) == [1, 3, 0, 2]
-    assert by_worst(replace(state, wishes=lock(NO_WISHES, one(square[1].joins, 1)))) == [3, 0]
+    assert by_worst(replace(state, wishes=lock(NO_WISHES, one(square[1].joins, 1), single=True))) == [3, 0]
 
 
 def test_undo_brings_wishes_and_solution_back_together_and_drops_what_is_no_more(square):
@@ -200,7 +237,7 @@ def test_undo_brings_wishes_and_solution_back_together_and_drops_what_is_no_more
 def test_the_status_line_counts(square):
     puzzle, solution = square
     assert "press Solve" in counts_text(PuzzleState(puzzle=puzzle))
-    text = counts_text(replace(solved(square), wishes=pin(lock(NO_WISHES, one(solution.joins, 0)), [Pin(0, 0, 0)])))
+    text = counts_text(replace(solved(square), wishes=pin(lock(NO_WISHES, one(solution.joins, 0), single=True), [Pin(0, 0, 0)])))
     assert text == "4 pieces · all placed · 3 of 4 joins below .95 · 1 locked · 1 pinned"
 
 

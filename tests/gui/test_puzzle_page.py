@@ -19,9 +19,9 @@ from gui import folders
 from gui.main_window import MainWindow
 from gui.pages.puzzle_edits import NO_WISHES
 from gui.pages.puzzle_files import CutDialog
-from gui.pages.puzzle_hands import frame_known, pin_of
+from gui.pages.puzzle_hands import pin_of
 from gui.pages.puzzle_solving import Cut, check_droppable
-from gui.pages.puzzle_state import opened
+from gui.pages.puzzle_state import frame_known, opened
 from gui.views.puzzle_scene import join_key, join_keys, seams
 
 
@@ -393,6 +393,29 @@ def test_without_a_frame_a_piece_may_go_left_of_all_others(window, qtbot):
     window.puzzle.page.view.carried.emit(1, -PX, 0)
     assert [p[:3] for p in state(window).wishes.pinned] == [(0, PX, 0), (1, 0, 0)]
     assert state(window).solution.position[[0, 1]].tolist() == [[PX, 0], [0, 0]]
+
+
+def test_without_a_frame_a_new_place_means_its_neighbours(window, qtbot):
+    puzzle, truth = cut_small()
+    window.puzzle.session.update(**opened(replace(puzzle, frame=None), truth, "small"))
+    window.puzzle.solve()
+    settle(window, qtbot)
+    before = state(window).solution
+    piece = int(np.flatnonzero((before.position == (0, 0)).all(axis=1))[0])
+    left = [k for k in join_keys(before.joins) if piece in k[::2]]
+    window.puzzle.page.view.carried.emit(piece, 0, -PX + 2)  # above its own place
+    held = join_keys(state(window).wishes.locked)
+    assert held == []
+    assert sorted(join_keys(state(window).wishes.forbidden)) == sorted(left)
+    window.puzzle.session.undo()
+    window.puzzle.page.view.carried.emit(piece, 6 * PX, 0)  # at the right end of the first row
+    corner = int(np.flatnonzero((before.position == (5 * PX, 0)).all(axis=1))[0])
+    assert join_keys(state(window).wishes.locked) == [join_key((corner, 1, piece, 3))]
+    settle(window, qtbot)
+    now = state(window)
+    assert (now.solution.position[piece] - now.solution.position[corner]).tolist() == [PX, 0]
+    assert now.solved_with is now.wishes
+    assert now.solution.position[now.solution.placed].min(axis=0).tolist() == [0, 0]
 
 
 def test_a_piece_thrown_into_the_tray_loses_its_joins(ready, qtbot):

@@ -10,6 +10,7 @@ from .measures import Strips, dissimilarity_of_pairs, gradient_statistics, mgc
 
 LIMIT = 12.0  # largest log odds, either way
 NEVER = -1e6  # log odds of a forbidden pair
+CROWD = 8  # candidates as good as the best that make a side's list a matter of chance
 UNLISTED = -5.0  # log odds of a pair that is as alike as the best candidate but was not listed
 
 
@@ -44,10 +45,23 @@ def evidence(strips: Strips, candidates: Candidates, probability: np.ndarray) ->
     for end in (0, 1):
         np.minimum.at(best, candidates.pairs[:, end], least[:, end])
     best[~np.isfinite(best)] = np.median(value) if len(value) else 1.0
+    floor = 1e-3 * strips.outer.shape[1]
     mean, inverse = gradient_statistics(strips)
+    logit = _evened(log_odds(probability), value + floor, best + floor, candidates)
     return Evidence(
-        candidates.start, candidates.partner, candidates.index, log_odds(probability), strips.outer, mean, inverse,
-        best + 1e-3 * strips.outer.shape[1])  # fmt: skip
+        candidates.start, candidates.partner, candidates.index, logit, strips.outer, mean, inverse, best + floor)  # fmt: skip
+
+
+def _evened(logit: np.ndarray, value: np.ndarray, best: np.ndarray, candidates: Candidates) -> np.ndarray:
+    """Log odds (c,) without what chance listed: where a side has more equals than its list can hold, the listed ones are
+    no likelier than those that were not listed."""
+    ratio = value / best[candidates.pairs].min(axis=1)
+    alike = ratio < 1.05
+    sides = len(candidates.start) - 1
+    ties = sum(np.bincount(candidates.pairs[alike, end], minlength=sides) for end in (0, 1))
+    crowded = (ties >= CROWD)[candidates.pairs].any(axis=1) & (logit < 0)
+    plain = np.maximum(UNLISTED - 2.0 * np.log(np.maximum(ratio, 1.0)), -LIMIT)
+    return np.where(crowded, plain, logit)
 
 
 @njit(cache=True, nogil=True)

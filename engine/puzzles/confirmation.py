@@ -34,7 +34,7 @@ def confirmed_joins(
     if method == "diffusion":
         return confirm_diffusion(
             candidates.pairs, halves, count=n, knn=p.prune_nearest, t_1=p.prune_similarity, t_2=p.prune_agreement,
-            t_3=p.prune_share, iterations=p.prune_rounds, progress=progress)  # fmt: skip
+            t_3=p.prune_share, iterations=p.prune_rounds, least=p.prune_confidence, progress=progress)  # fmt: skip
     if method == "matchlift":
         return confirm_matchlift(
             candidates.pairs, halves, count=n, t_1=p.lift_threshold, t_2=p.lift_accept, sparsity=p.lift_sparsity,

@@ -105,16 +105,18 @@ def confirm_diffusion(
     t_2: float,
     t_3: float,
     iterations: int,
+    least: float,
     progress: Progress = silent,
 ) -> Confirmed:
     """Confirm joins by diffusion pruning of their halves (thesis, chapter 5), in O(c log c).
 
     `rows` and `dissimilarity` are as in `confirm_matchlift`, the rest as in `pruning.prune`. The confidence is how much
-    of a join's four correspondences supports the others: 1 where all four are the best of their halves.
+    a join's four correspondences support each other times the chance that a join so distinct from its rivals is right;
+    what pruning keeps with less than `least` is not confirmed, for in its last rounds it joins sides of the frame.
     """
     rows, halves = _candidates(rows, dissimilarity, count)
     found = prune(rows, halves, knn=knn, t_1=t_1, t_2=t_2, t_3=t_3, iterations=iterations, progress=progress)
-    return Confirmed(found.kept, found.confidence)
+    return Confirmed(found.kept & (found.confidence >= least), found.confidence)
 
 
 def _candidates(rows: np.ndarray, dissimilarity: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:

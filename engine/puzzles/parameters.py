@@ -70,6 +70,9 @@ class PuzzleParameters(Parameters):
     prune_rounds: int = parameter(
         20, "Most rounds of diffusion pruning; it ends where nothing new is found.", low=1, high=100, unit="rounds",
         equation="Section 5.2.3", group=_DIFFUSION, methods=("diffusion",))  # fmt: skip
+    prune_confidence: float = parameter(
+        0.5, "Least confidence of a join that pruning confirms.", low=0.0, high=1.0, step=0.05, live=True, group=_DIFFUSION,
+        methods=("diffusion",))  # fmt: skip
     half_length: float = parameter(
         0.5, "Length of a sub-edge as a share of its side.", low=0.1, high=1.0, step=0.05, symbol="len",
         equation="Section 5.2.1", group=_DIFFUSION, methods=("matchlift", "diffusion"))  # fmt: skip

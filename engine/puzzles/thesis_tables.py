@@ -202,7 +202,7 @@ def _way(
     kept = confirm_diffusion(
         ratios.pairs, half_dissimilarity(measure, puzzle.strips, ratios.pairs, length=length), count=len(puzzle.true),
         knn=p.prune_nearest, t_1=p.prune_similarity, t_2=p.prune_agreement, t_3=p.prune_share,
-        iterations=p.prune_rounds).kept  # fmt: skip
+        iterations=p.prune_rounds, least=p.prune_confidence).kept  # fmt: skip
     found = _assembled(puzzle, ratios, np.flatnonzero(kept), size)
     right = _true_joins(ratios.pairs, puzzle.true)
     return Way(found.direct, found.neighbour, (kept & right).sum() / max(kept.sum(), 1), (kept & right).sum() / right.sum())

@@ -1,9 +1,12 @@
 """Reading a stranger's image into RGBA pixels, and writing pixels as PNG."""
 
 import io
+import os
 import struct
 import warnings
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -48,7 +51,8 @@ def _decoded(path: Path) -> np.ndarray:
         with Image.open(path, formats=[name for name in FORMATS if name in Image.OPEN]) as image:
             if image.width * image.height > MOST_PIXELS:
                 raise Image.DecompressionBombError
-            image.load()
+            with _quiet() if image.format == "TIFF" else nullcontext():
+                image.load()
             return np.ascontiguousarray(_upright(_rgba(image), _orientation(image)))
     except Image.DecompressionBombError:
         limit = MOST_PIXELS // 10**6
@@ -61,6 +65,24 @@ def _decoded(path: Path) -> np.ndarray:
         raise BadInput(f"The image {path} cannot be opened; you have no permission to read it.") from None
     except _DAMAGE:
         raise BadInput(f"The image {path} is damaged or cut off; save it again, for example as PNG.") from None
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep what C libraries print on the standard error to themselves: libtiff describes every damage there."""
+    try:
+        kept = os.dup(2)
+    except OSError:  # there is no standard error
+        yield
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
 
 
 def _rgba(image: "Image.Image") -> np.ndarray:

@@ -44,8 +44,9 @@ def test_a_seed_always_damages_alike():
 
 @pytest.mark.parametrize(
     ("error", "state"),
-    [(ValueError("oops"), "other exception"), (SystemExit(1), "other exception"), (BadInput("b.png has\ntwo lines"), "no sentence"),
-     (BadInput("the file is bad."), "no sentence"), (BadInput("b.png " + "is bad " * 99), "no sentence"), (BadInput("b.png is bad."), "sentence")],
+    [(ValueError("oops"), "other exception"), (SystemExit(1), "other exception"),
+     (BadInput("b.png has\ntwo lines"), "no sentence"), (BadInput("the file is bad."), "no sentence"),
+     (BadInput("b.png " + "is bad " * 99), "no sentence"), (BadInput("b.png is bad."), "sentence")],
 )  # fmt: skip
 def test_the_benchmark_tells_a_sentence_from_other_failures(monkeypatch, error, state):
     def fail(path):

@@ -171,3 +171,13 @@ def _place_group(group, blocks: Blocks, grid, turns, limits, turned, e) -> bool:
 def _loose_cells(grid: np.ndarray, pieces: np.ndarray, rules: Rules, groups: np.ndarray) -> np.ndarray:
     pieces = np.setdiff1d(pieces[groups[pieces] < 0], rules.anchored)[:MOST_LOOSE]
     return np.argwhere(np.isin(grid, pieces) & (grid != EMPTY))
+
+
+def lying_as(layout: Layout, frame: tuple[int, int] | None) -> Layout:
+    """A single picture after a quarter turn if that is what makes it lie in its frame (columns, rows)."""
+    on = layout.picture != UNPLACED
+    w, h = (int(np.ptp(c[on])) + 1 if on.any() else 0 for c in (layout.x, layout.y))
+    if frame is None or (w <= frame[0] and h <= frame[1]):
+        return layout
+    return layout._replace(
+        x=np.where(on, h - 1 - layout.y, 0), y=np.where(on, layout.x, 0), turns=np.where(on, (layout.turns + 1) % 4, 0))  # fmt: skip

@@ -10,7 +10,7 @@ from ..progress import Progress, share, silent
 from . import assembly
 from .blocks import Blocks, Rules, grow_blocks, single_pieces
 from .candidates import Candidates, candidates_of, exclusive, shortlist
-from .completing import Layout, complete
+from .completing import Layout, complete, lying_as
 from .evidence import NEVER, Evidence, evidence
 from .learned import learned_probability, single_probability
 from .measures import Strips, side_strips
@@ -92,7 +92,7 @@ def assemble_grid(
     for number, method in enumerate(_methods(parameters.method, n)):
         step = share(progress, number / 3, (number + 1) / 3)
         step(0.0, f"assembling: {method}")
-        if number and _settled(job, layouts):
+        if _settled(job, layouts):
             break
         order = _order(method, job, parameters, layouts, confirmed, step)
         blocks = (assembly.grown_greedily(job.probability, job.candidates, job.start, job.rules, LEAST)
@@ -261,16 +261,19 @@ def _order(
 
 
 def _settled(job: _Job, layouts: dict[str, Layout]) -> bool:
-    """Whether the first layout leaves nothing to improve: every piece placed and every join likely."""
-    layout = next(iter(layouts.values()))
-    if (layout.picture == UNPLACED).any():
+    """Whether nothing is left to improve: two ways came to the same, or every piece is placed and every join likely."""
+    if len(layouts) < 1:
         return False
-    sides, _, _ = _touching(layout)
-    return bool((_confidence(job, sides) >= SURE_ENOUGH).all())
+    first, *others = layouts.values()
+    if others and any(abs(first.worth - other.worth) < 1e-6 for other in others):
+        return True
+    if (first.picture == UNPLACED).any():
+        return False
+    return bool((_confidence(job, _touching(first)) >= SURE_ENOUGH).all())
 
 
-def _touching(layout: Layout) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Touching pairs of pieces as side rows (j, 2), the smaller piece first, and their order is that of the cells."""
+def _touching(layout: Layout) -> np.ndarray:
+    """Touching pairs of pieces as side rows (j, 2), the smaller first, sorted."""
     on = np.flatnonzero(layout.picture != UNPLACED)
     x, y, k = layout.x[on], layout.y[on], layout.picture[on]
     x, y = x - x.min(initial=0), y - y.min(initial=0)
@@ -285,7 +288,7 @@ def _touching(layout: Layout) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         rows.append(np.stack([4 * a + (d - layout.turns[a]) % 4, 4 * b + (d + 2 - layout.turns[b]) % 4], axis=1))
     sides = np.concatenate(rows)
     sides = np.where((sides[:, :1] > sides[:, 1:]), sides[:, ::-1], sides)
-    return sides[np.lexsort((sides[:, 1], sides[:, 0]))], x, y
+    return sides[np.lexsort((sides[:, 1], sides[:, 0]))]
 
 
 def _confidence(job: _Job, sides: np.ndarray) -> np.ndarray:
@@ -304,8 +307,8 @@ def _solution(
     wishes: Wishes, seconds: dict[str, float], notes: tuple[str, ...],
 ) -> PuzzleSolution:  # fmt: skip
     puzzle, px = job.puzzle, job.puzzle.square or 1
-    layout = layouts[best]
-    sides, _, _ = _touching(layout)
+    layout = layouts[best] if job.pin or puzzle.pictures > 1 else lying_as(layouts[best], job.rules.frame)
+    sides = _touching(layout)
     joins = joins_of(sides, _confidence(job, sides), px, _confirmations(job, sides, layout, confirmed, wishes))
     position = np.column_stack([layout.x, layout.y]) * px
     position[layout.picture == UNPLACED] = 0

@@ -134,8 +134,12 @@ def test_a_portrait_is_put_together(picture, method):
     assert len(solution.joins) == 12 * 9 + 11 * 10
 
 
-def test_a_portrait_of_turned_pieces(picture):
-    assert scored(picture, turned=True, seed=2)[3].perfect
+@pytest.mark.parametrize("seed", range(3))
+def test_a_portrait_of_turned_pieces(picture, seed):
+    _, _, solution, scores = scored(picture, turned=True, seed=seed)
+    assert scores.perfect
+    assert solution.sizes.tolist() == [[336, 280]]
+    assert (solution.position.max(axis=0) == (308, 252)).all()
 
 
 def test_an_unknown_frame_is_found(picture):

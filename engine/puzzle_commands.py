@@ -1,4 +1,4 @@
-"""The commands of puzzles: `solve`, `cut`, `bench puzzles` and `tables`."""
+"""The commands of puzzles: `solve`, `cut` and `bench puzzles`; `tables` is mounted with them."""
 
 from html import escape
 from pathlib import Path
@@ -10,6 +10,7 @@ from .cli import progress_bar
 from .errors import BadInput, BadParameter
 from .parameters import assignments, read_values
 from .puzzles.parameters import PuzzleParameters
+from .table_commands import build_tables
 
 if TYPE_CHECKING:
     from .puzzles.gathering import Cutting
@@ -28,6 +29,7 @@ def mount(app: App) -> None:
     bench = App(name="bench", help="Run benchmarks on your own files.")
     bench.command(bench_puzzles, name="puzzles")
     app.command(bench)
+    app.command(build_tables())
 
 
 def solve(

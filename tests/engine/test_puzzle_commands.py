@@ -277,3 +277,31 @@ def test_means_by_hand():
     assert table.rows[1] == ("c.png", "4", "50.0", "50.0", "100.0", "75.0", "no", "2.00")
     assert table.rows[2][2] == "75.0"
     assert "a\\|b.png" in to_markdown([table], "lead")
+
+
+# --- the tables of the thesis
+
+
+@pytest.mark.parametrize(
+    ("number", "more", "rows"), [("4.1", ["--grids", "3", "--t1", "0.8", "1", "--t2", "0.5"], 1), ("5.2", ["--pieces", "24"], 6)]
+)
+def test_the_tables_of_the_thesis_are_made_of_any_pictures(here, number, more, rows):
+    assert main(["tables", number, ".", "--out", "out", *more]) == 0
+    assert names(here / "out") == {f"table-{number}.{kind}" for kind in ("md", "csv", "html")}
+    assert len(list(csv.DictReader((here / f"out/table-{number}.csv").open()))) == rows
+    assert "| mean |" in (here / f"out/table-{number}.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [(["4.1", "nowhere"], "not a folder"), (["5.2", "empty"], "no images"), (["4.1", ".", "--grids", "1"], "--grids"),
+     (["4.1", ".", "--t1", "2"], "thresholds"), (["4.1", ".", "--resolution", "3"], "--resolution"),
+     (["5.2", ".", "--seed", "-1"], "--seed"), (["4.1", ".", "--set", "x=1"], "no parameter"), (["9.9", "."], "9.9")],
+)  # fmt: skip
+def test_a_table_that_cannot_be_made_is_said(here, capsys, arguments, words):
+    (here / "empty").mkdir()
+    assert main(["tables", *arguments, "--out", "out"]) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1
+    assert not (here / "out").exists()

@@ -29,6 +29,25 @@ def contacts(puzzle: Puzzle, solution: PuzzleSolution, pieces: frozenset[int]) -
     return _standing_joins(puzzle, solution, np.array(rows, np.int64).reshape(-1, 4))
 
 
+def turned_round(puzzle: Puzzle, joins: Joins, row: int) -> Joins:
+    """One join (a row of joins) said from its other piece."""
+    a, side_a, b, side_b = joins.sides[row].tolist()
+    turn, (x, y) = int(joins.turn[row]), joins.offset[row].tolist()
+    at, one, two = (-x, -y), size_of(puzzle.pieces[b], turn), size_of(puzzle.pieces[a], 0)
+    for _ in range(-turn % 4):  # on, until piece b stands as it was read
+        at, one, two = turned_offset(at, one, two), one[::-1], two[::-1]
+    return Joins(np.array([[b, side_b, a, side_a]]), np.array([at]), np.array([-turn % 4]), joins.confidence[[row]],
+                 (joins.confirmed_by[row],))  # fmt: skip
+
+
+def alike(puzzle: Puzzle, first: Joins, row: int, second: Joins, k: int) -> bool:
+    """Whether two joins put the same sides together in the same place, whichever piece is named first."""
+    if first.sides[row].tolist() != second.sides[k].tolist():
+        first, row = turned_round(puzzle, first, row), 0
+    same = first.sides[row].tolist() == second.sides[k].tolist() and first.turn[row] % 4 == second.turn[k] % 4
+    return bool(same and (first.offset[row] == second.offset[k]).all())
+
+
 def _reach(sides: np.ndarray, k: int) -> float:
     """A distance of middles beyond which no side can touch side k."""
     longest = np.hypot(*(sides[:, 1] - sides[:, 0]).T).max()

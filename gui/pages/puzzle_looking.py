@@ -8,9 +8,10 @@ from engine.puzzles.solution import Joins
 from ..palette import theme
 from ..session import Session
 from ..views.join_closeup import Partner, PartnerStrip, pair_of
-from ..views.puzzle_scene import bin_colours, bins, join_key, join_keys
+from ..views.puzzle_scene import Key, bin_colours, bins, join_key, join_keys
 from .arrange import share_text
-from .puzzle_edits import one
+from .puzzle_contacts import alike, turned_round
+from .puzzle_edits import one, together
 from .puzzle_judging import shown_join
 from .puzzle_overlay import join_text, side_text, why_text
 from .puzzle_panel import Asked, JoinPanel, Shown
@@ -63,11 +64,11 @@ class Looking(QObject):
         facts = f"{join_text(state.puzzle, turns, joins, row)}\n{why_text(joins, row, locked)}"
         pair = pair_of(state.puzzle, joins, row, int(turns[joins.sides[row, 0]]))
         heading = "Tried out, not in the picture" if state.preview is not None else _rank(state)
-        partners, words = self._partners(state, key)
+        partners, words = self._partners(state, key, joins, row)
         return Shown(heading, facts, pair, partners, words, locked, state.preview is not None)
 
-    def _partners(self, state: PuzzleState, key: tuple[int, int, int, int]) -> tuple[tuple[Partner, ...], str]:
-        """The likeliest partners of one side of the selected join."""
+    def _partners(self, state: PuzzleState, key: Key, joins: Joins, row: int) -> tuple[tuple[Partner, ...], str]:
+        """The likeliest partners of one side of the selected join, and the one that it has."""
         chosen = state.selected or key
         piece, side = chosen[2:] if self.from_b else chosen[:2]
         self._candidates = None
@@ -78,13 +79,18 @@ class Looking(QObject):
         found = candidate_joins(state.prepared, piece, side)
         if not len(found):
             return (), ""
-        self._candidates = found
         count = min(len(found), PartnerStrip.MOST)
+        here = [k for k in range(len(found)) if alike(state.puzzle, joins, row, found, k)]
+        if not here or here[0] >= count:  # the solver did not list it, but the picture has it
+            own = one(joins, row)
+            found = together(own if own.sides[0, 0] == piece else turned_round(state.puzzle, joins, row), found)
+            count, here = min(len(found), PartnerStrip.MOST), [0]
+        self._candidates = found
         colours = bin_colours(theme(state.dark))[bins(found.confidence)]
         turns = state.solution.turns
         partners = tuple(
             Partner(pair_of(state.puzzle, found, k, int(turns[found.sides[k, 0]])), share_text(float(found.confidence[k])),
-                    "#" + bytes(colours[k]).hex(), join_key(found.sides[k]) == key, partner_tip(state.puzzle, found, k, turns))
+                    "#" + bytes(colours[k]).hex(), k == here[0], partner_tip(state.puzzle, found, k, turns))
             for k in range(count)
         )  # fmt: skip
         return partners, f"Partners of {side_text(state.puzzle, turns, piece, side)}"
@@ -94,8 +100,8 @@ class Looking(QObject):
         state = self.session.state
         if self._candidates is None or k >= len(self._candidates):
             return
-        same = join_key(self._candidates.sides[k]) == state.selected
-        self.session.update(preview=None if same else one(self._candidates, k))
+        there = state.row >= 0 and alike(state.puzzle, state.solution.joins, state.row, self._candidates, k)
+        self.session.update(preview=None if there else one(self._candidates, k))
 
     def _turn_round(self) -> None:
         self.from_b = not self.from_b

@@ -55,13 +55,14 @@ def join_text(puzzle: Puzzle, turns: Sequence[int], joins: Joins, row: int) -> s
 
 def why_text(joins: Joins, row: int, locked: bool) -> str:
     """How sure a join is and what confirmed it, in words."""
-    how = {"": "not confirmed by its neighbours", "loops": "confirmed by the pieces around it",
+    how = {"loops": "confirmed by the pieces around it",
            "diffusion": "confirmed by diffusion pruning", "matchlift": "confirmed by MatchLift",
            "person": "locked by a person"}  # fmt: skip
     if locked:
         return "locked: it stays whatever the solver thinks"
     by = joins.confirmed_by[row]
-    return f"confidence {share_text(float(joins.confidence[row]))} · {how.get(by, f'confirmed by {by}')}"
+    sure = f"confidence {share_text(float(joins.confidence[row]))}"
+    return f"{sure} · {how.get(by, f'confirmed by {by}')}" if by else sure
 
 
 def tip_text(state: PuzzleState, row: int) -> str:

@@ -627,7 +627,7 @@ def test_an_unexpected_error_is_a_message(window, qtbot):
     assert "test_an_unexpected_error" in window.messages.details
 
 
-def test_a_hundred_random_actions_leave_the_window_whole(ready, qtbot, monkeypatch):
+def test_a_hundred_random_actions_leave_the_window_whole(ready, files, qtbot, monkeypatch):
     unexpected = []
     monkeypatch.setattr("sys.excepthook", lambda kind, error, trace: unexpected.append(error))
     ready.jobs.failed.connect(lambda *texts: unexpected.append(texts))
@@ -650,6 +650,8 @@ def test_a_hundred_random_actions_leave_the_window_whole(ready, qtbot, monkeypat
             dialog.reject()
     settle(ready, qtbot)
     assert unexpected == []
+    ready.files.pair(*files)  # undo may have led to before there were any shapes
+    settle(ready, qtbot)
     assert np.isfinite(ready.session.state.result.score).all()
 
 

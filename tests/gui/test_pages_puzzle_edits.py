@@ -9,7 +9,7 @@ from jigsaw import PX, cut_small, flat, true_solution, two_by_two
 from engine.puzzles.parameters import PuzzleParameters
 from engine.puzzles.pieces import Puzzle
 from engine.puzzles.solution import UNPLACED, Joins, Pin, no_joins
-from gui.pages.puzzle_contacts import contacts
+from gui.pages.puzzle_contacts import alike, contacts, turned_round
 from gui.pages.puzzle_edits import (
     NO_WISHES,
     empty_solution,
@@ -151,6 +151,25 @@ def test_sides_that_touch_are_joins_as_the_solver_writes_them():
             assert found.turn[row] == solution.joins.turn[there]
     pair = frozenset({piece, int(found.sides[0, 2])})
     assert all(len({a, b} & pair) == 1 for a, _, b, _ in contacts(puzzle, solution, pair).sides.tolist())
+
+
+def test_a_join_said_from_its_other_piece_is_the_same_join():
+    puzzle, truth = cut_small(turned=True, seed=4)
+    uneven = Puzzle((flat([1, 1, 1], 8, 4), flat([2, 2, 2], 3, 5)))
+    joins = Joins(np.array([[0, 2, 1, 3], [0, 2, 1, 3]]), np.array([[1, 4], [2, 4]]), np.array([1, 1]), np.ones(2))
+    back = turned_round(uneven, joins, 0)
+    assert (back.sides.tolist(), back.turn.tolist()) == ([[1, 3, 0, 2]], [3])
+    assert back.offset.tolist() == [[-4, -2]]  # piece 0, four wide as it then stands, is at its left, two above its top
+    assert alike(uneven, joins, 0, back, 0)
+    assert not alike(uneven, joins, 1, back, 0)  # the same sides, elsewhere
+    solution = true_solution(puzzle, truth)
+    for row in range(len(solution.joins)):
+        twice = turned_round(puzzle, turned_round(puzzle, solution.joins, row), 0)
+        assert twice.offset[0].tolist() == solution.joins.offset[row].tolist()
+        assert twice.turn[0] == solution.joins.turn[row]
+        other = int(solution.joins.sides[row, 2])
+        seen = contacts(puzzle, solution, frozenset({other}))
+        assert sum(alike(puzzle, solution.joins, row, seen, k) for k in range(len(seen))) == 1
 
 
 def test_sides_touch_across_a_small_gap_along_half_of_the_shorter_one():

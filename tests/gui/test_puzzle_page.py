@@ -2,6 +2,7 @@
 
 import csv
 import json
+import random
 import sqlite3
 import threading
 from dataclasses import replace
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from jigsaw import PX, cut_small, picture
 from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication
 
 from engine.errors import BadInput
 from engine.puzzles import solving
@@ -608,6 +610,36 @@ def test_undo_belongs_to_the_page_that_is_shown(ready):
     ready.show_page("puzzle")
     ready.undo()
     assert state(ready).solution is None
+
+
+def test_sixty_random_hands_leave_the_page_whole(ready, qtbot, monkeypatch):
+    unexpected = []
+    monkeypatch.setattr("sys.excepthook", lambda kind, error, trace: unexpected.append(error))
+    ready.puzzle.solving.failed.connect(lambda *texts: unexpected.append(texts))
+    rng = random.Random(7)
+    page, act = ready.puzzle.page, ready.actions_by_id
+    names = ["undo", "redo", "solve", "next-join", "previous-join", "lock", "reject", "turn-piece", "truth", "contrast", "stop",
+             "correct", "wrong", "unsure", "undo-vote", "reset-view", "dark", "clear-wishes"]  # fmt: skip
+
+    def carry():
+        page.view.carried.emit(rng.randrange(24), rng.randint(-30, 200), rng.randint(-30, 120))
+
+    def choose_something():
+        rng.choice([lambda: ready.puzzle.session.update(piece=rng.randrange(24), selected=None, preview=None),
+                    lambda: page.join.strip.picked.emit(rng.randrange(4)), page.join.other_side.emit])()  # fmt: skip
+
+    for _ in range(60):
+        rng.choice([carry, carry, choose_something, choose_something, *[lambda name=name: act[name].trigger() for name in names],
+                    lambda: page.bar.slider.setValue(rng.randint(0, 100)),
+                    lambda: page.form.edited.emit("method", rng.choice(["mst", "greedy", "loops"]), True)])()  # fmt: skip
+        QApplication.processEvents()
+    settle(ready, qtbot)
+    assert [said for said in unexpected if not (isinstance(said, tuple) and "BadInput" in said[1])] == []  # wishes may clash
+    act["clear-wishes"].trigger()
+    ready.puzzle.solve()
+    settle(ready, qtbot)
+    assert state(ready).solution.placed.all()
+    assert state(ready).solved_with is state(ready).wishes
 
 
 def test_the_volunteer_and_the_theme_are_those_of_the_window(ready, qtbot):

@@ -35,7 +35,8 @@ Words = Annotated[list[str] | None, Parameter(negative="", consume_multiple=True
 
 def build_app(draw: "PictureMaker" = no_pictures) -> App:
     """The engine's commands; `draw` makes the pictures of a report."""
-    app = App(name="concord", help="Find consistent correspondences between segmented shapes, and between the pieces of puzzles.", version=_version)
+    words = "Find consistent correspondences between segmented shapes, and between the pieces of puzzles."
+    app = App(name="concord", help=words, version=_version)
     app.command(list_parameters, name="parameters")
     app.command(make_shapes, name="make-shapes")
     mount(app)

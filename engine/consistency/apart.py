@@ -75,10 +75,21 @@ def _lift(
     n = len(apart)
     similarity = np.zeros((n, n))
     np.maximum.at(similarity, (np.r_[edges[:, 0], edges[:, 1]], np.r_[edges[:, 1], edges[:, 0]]), np.r_[weight, weight])
-    if (similarity + np.eye(n) > sparsity).all() and not apart[~np.eye(n, dtype=bool)].any():
-        return np.ones((n, n))  # every single match is worth its cost, and all of them agree
+    if apart.sum() == n and all_the_same(similarity, sparsity):
+        return np.ones((n, n))
     return matchlift(similarity, np.arange(n), universe=None, impossible=apart, sparsity=sparsity, penalty=penalty,
                      tolerance=tolerance, max_steps=max_steps).matches  # fmt: skip
+
+
+def all_the_same(similarity: np.ndarray, sparsity: float) -> bool:
+    """Whether X = 1 is the one optimum of n elements that may all be the same.
+
+    It is where the Laplacian of W - λ is positive semidefinite, which is then the dual solution, of rank n - 1.
+    """
+    gain = similarity - sparsity
+    np.fill_diagonal(gain, 0)
+    values = np.linalg.eigvalsh(np.diag(gain.sum(axis=1)) - gain)
+    return bool(values[0] > -1e-9 and (len(values) < 2 or values[1] > 1e-6))
 
 
 def _either(labels: list[np.ndarray]) -> np.ndarray:

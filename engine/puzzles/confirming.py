@@ -21,7 +21,7 @@ from .corners import (
 from .halves import as_halves
 from .pruning import prune
 
-LARGEST = 200  # corners that are lifted together where a puzzle is too large to be lifted at once
+LARGEST = 60  # corners that are lifted together where a puzzle is too large to be lifted at once
 
 
 @dataclass(frozen=True, slots=True, eq=False)

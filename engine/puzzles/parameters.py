@@ -37,7 +37,7 @@ class PuzzleParameters(Parameters):
         60, "Other ways to put polygons together that are tried where joins contradict each other; squares take none.",
         low=0, high=1000, live=True, group=_ASSEMBLE)  # fmt: skip
     lift_threshold: float = parameter(
-        0.6, "Least similarity of two halves of sides that MatchLift takes as an input.", low=0.0, high=1.0, step=0.05,
+        0.5, "Least similarity of two halves of sides that MatchLift takes as an input.", low=0.0, high=1.0, step=0.05,
         symbol="t₁", equation="4.5", group=_MATCHLIFT, methods=("matchlift",))  # fmt: skip
     lift_accept: float = parameter(
         0.5, "Least lifted match, of both halves, that confirms a join.", low=0.05, high=1.0, step=0.05, symbol="t₂",

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from engine.consistency.apart import capped_components, matchlift_apart
+from engine.consistency.apart import all_the_same, capped_components, matchlift_apart
 from engine.consistency.matchlift import matchlift
 from engine.errors import BadInput, BadParameter, Cancelled
 from engine.puzzles.confirmation import confirmed_joins
@@ -313,6 +313,17 @@ def test_components_are_joined_by_the_heaviest_first_and_capped():
     capped = capped_components(edges, weight, 6, 3)
     assert capped[0] == capped[1] != capped[2] == capped[3]  # the weak link in the middle gave way
     assert capped[4] == capped[5]
+
+
+def test_elements_are_all_the_same_where_the_solver_says_so():
+    rng = np.random.default_rng(0)
+    answers = []
+    for _ in range(30):
+        w = np.triu(np.where(rng.random((5, 5)) < 0.8, rng.random((5, 5)), 0), 1)
+        lifted = matchlift(w + w.T, np.arange(5), universe=None, sparsity=0.2, penalty=2.0, tolerance=1e-5, max_steps=5000)
+        answers.append(all_the_same(w + w.T, 0.2))
+        assert answers[-1] == (lifted.matches.min() > 0.99)
+    assert 3 < sum(answers) < 27
 
 
 def test_apart_equals_one_lift_without_a_bound():

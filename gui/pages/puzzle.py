@@ -98,7 +98,7 @@ class PuzzlePage(QWidget):
     def _connect(self) -> None:
         update = self.session.update
         self.session.changed.connect(self.apply)
-        self.view.group_of = lambda piece: group(piece, self.session.state.wishes.locked)
+        self.view.group_of = self._group
         self.view.tip_of = lambda row: tip_text(self.session.state, row)
         self.view.join_clicked.connect(self._join_clicked)
         self.view.piece_clicked.connect(lambda piece: update(piece=piece, selected=None, preview=None))
@@ -122,6 +122,13 @@ class PuzzlePage(QWidget):
         self.solving.jobs.idle.connect(self._show_bar)
 
     # --- what a hand does
+
+    def _group(self, piece: int) -> frozenset[int]:
+        """What a hand takes along: the placed pieces that are locked to a placed one."""
+        placed = self.view.layout_shown.placed
+        if not placed[piece]:
+            return frozenset({piece})
+        return frozenset(k for k in group(piece, self.session.state.wishes.locked) if placed[k])
 
     def _join_clicked(self, row: int) -> None:
         joins = self.session.state.solution.joins

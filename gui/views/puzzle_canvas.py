@@ -22,13 +22,23 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from ..palette import LIGHT, Theme
 from .painting import paint_message
-from .puzzle_layout import Layout, growing, outlines
-from .puzzle_painting import Extent, Overlay, draw_joins, outline, paint_caption, paint_ground, paint_marks
+from .puzzle_growth import Growth
+from .puzzle_layout import Layout, growing
+from .puzzle_painting import (
+    Extent,
+    Overlay,
+    draw_joins,
+    paint_caption,
+    paint_carried,
+    paint_ground,
+    paint_marks,
+    paint_outlines,
+)
 from .puzzle_scene import View, fitted, hit_join, hit_piece, kept
-from .puzzle_sheet import Sheet, compose, rasters
-from .puzzle_snap import snapped
+from .puzzle_sheet import Sheet, compose
+from .puzzle_snap import Carried, taken_up
 
-REACH, DRAG_FROM = 6.0, 4.0  # screen pixels: of a click to a join, and of a hand before it carries a piece
+REACH, DRAG_FROM, SNAP = 6.0, 4.0, 18.0  # screen pixels: click to join, before a hand carries, between corners
 GROWTH_MS, FRAME_MS, FLASH_MS, MOST_FLASHED = 1100, 33, 1200, 200
 
 
@@ -57,9 +67,8 @@ class PuzzleCanvas(QWidget):
         self._pixels: np.ndarray | None = None  # what the frame's memory belongs to
         self._pressed: tuple[QPointF, int] | None = None
         self._panning = False
-        self._carried: frozenset[int] = frozenset()
-        self._held, self._grab, self._rest = -1, (0.0, 0.0), (0, 0, False)
-        self._growth: tuple[Layout, Layout, np.ndarray, int] | None = None
+        self._carried: Carried | None = None
+        self._growth: Growth | None = None
         self._timer = QTimer(self, interval=FRAME_MS)
         self._timer.timeout.connect(self._grow)
         self._flashed: tuple[int, ...] = ()
@@ -152,28 +161,16 @@ class PuzzleCanvas(QWidget):
     def grow(self, full: Layout, goal: Layout, order: np.ndarray) -> None:
         """Let a picture grow: pieces go in an `order` from where `full` has them to where `goal` has them."""
         self.show_layout(growing(full, goal, np.zeros(len(full.placed), bool)))
-        self._growth = (full, goal, order, 0)
+        self._growth = Growth(full, goal, order, GROWTH_MS // FRAME_MS)
         self._timer.start()
-
-    # --- growth
 
     def _grow(self) -> None:
         if self._growth is None or self._sheet is None:
-            self._timer.stop()
+            self._stop_growth()
             return
-        full, goal, order, done = self._growth
-        upto = min(len(order), done + max(1, round(len(order) * FRAME_MS / GROWTH_MS)))
-        for piece in order[done:upto].tolist():
-            self._sheet.clear(piece, full)
-        for piece in order[done:upto].tolist():
-            self._sheet.paste(piece, goal)
-        self._sheet.refresh()
-        shown = np.zeros(len(full.placed), bool)
-        shown[order[:upto]] = True
-        self.layout_shown = self._sheet.layout = growing(full, goal, shown)
-        self._growth = (full, goal, order, upto)
+        self.layout_shown = self._growth.step(self._sheet)
         self._refresh()
-        if upto == len(order):
+        if self._growth.ended:
             self._stop_growth()
             self.grown.emit()
 
@@ -200,7 +197,7 @@ class PuzzleCanvas(QWidget):
             ratio = self.devicePixelRatioF()
             width, height = round(self.width() * ratio), round(self.height() * ratio)
             self._pixels = self._sheet.warped(self.view, width, height, ratio)
-            if not self._carried:
+            if self._carried is None:
                 draw_joins(self._pixels, self.overlay, self.view, ratio, self.theme)
             data = self._pixels
             self._frame = QImage(data.data, width, height, 4 * width, QImage.Format.Format_ARGB32_Premultiplied)
@@ -218,37 +215,16 @@ class PuzzleCanvas(QWidget):
             frame = self.render_frame()
             if frame is not None:
                 painter.drawImage(QPointF(0, 0), frame)
-            if self._carried:
-                self._paint_carried(painter)
+            if self._carried is not None:
+                paint_carried(painter, layout, self._carried, self.view, self.theme)
             else:
                 extent = Extent(self.width(), self.height(), self.devicePixelRatioF())
                 paint_marks(painter, layout, self.overlay, self.view, self.theme, extent)
-                self._paint_flashed(painter)
+                if self._flashed:
+                    paint_outlines(painter, layout, self._flashed, self.view, self.theme)
             if self.overlay.caption:
                 paint_caption(painter, self.overlay.caption, self.height(), self.theme)
         painter.end()
-
-    def _paint_flashed(self, painter: QPainter) -> None:
-        if self._flashed:
-            corners, first = self.view.to_screen(self.layout_shown.corners()), outlines(self.layout_shown.puzzle).first
-            for piece in self._flashed:
-                outline(painter, corners[first[piece] : first[piece + 1]], self.theme)
-
-    def _paint_carried(self, painter: QPainter) -> None:
-        """The carried pieces where they would come to rest, with a frame that says whether they snapped."""
-        layout, (x, y, holds) = self.layout_shown, self._rest
-        step = np.array([x, y]) - layout.position[self._held]
-        for piece in sorted(self._carried):
-            raster = np.ascontiguousarray(np.rot90(rasters(layout.puzzle)[piece], -int(layout.turns[piece])))
-            h, w = raster.shape[:2]
-            image = QImage(raster.data, w, h, 4 * w, QImage.Format.Format_ARGB32_Premultiplied)
-            at = self.view.to_screen(layout.position[piece] + step)
-            painter.save()
-            painter.translate(*at.tolist())
-            painter.scale(self.view.scale, self.view.scale)
-            painter.drawImage(QPointF(0, 0), image)
-            painter.restore()
-            outline(painter, self.view.to_screen(layout.polygon(piece) + step), self.theme, holds)
 
     # --- hands
 
@@ -276,16 +252,16 @@ class PuzzleCanvas(QWidget):
             return
         start, piece = self._pressed
         step = event.position() - start
-        if self._carried:
-            self._carry(event)
+        if self._carried is not None:
+            self.carry_to(event.position())
         elif self._panning:
             self.view, self.follows = self.view.moved(step.x(), step.y()), False
             self._pressed = (event.position(), piece)
             self._refresh()
         elif step.manhattanLength() >= DRAG_FROM:
             if piece >= 0:
-                self._take_up(piece, start)
-                self._carry(event)
+                self.take_up(piece, start)
+                self.carry_to(event.position())
             else:
                 self._panning = True
                 self.setCursor(Qt.CursorShape.ClosedHandCursor)
@@ -301,10 +277,9 @@ class PuzzleCanvas(QWidget):
         (_, piece), panned, carried = self._pressed, self._panning, self._carried
         self._pressed, self._panning = None, False
         self.setCursor(Qt.CursorShape.ArrowCursor)
-        if carried:
-            held, (x, y, _) = self._held, self._rest
+        if carried is not None:
             self._drop_carried()
-            self.carried.emit(held, x, y)
+            self.carried.emit(carried.held, *carried.rest[:2])
         elif not panned and event.button() == Qt.MouseButton.LeftButton:
             row = self.join_at(event.position().x(), event.position().y())
             if row >= 0:
@@ -327,26 +302,25 @@ class PuzzleCanvas(QWidget):
         self._refresh()
         event.accept()
 
-    def _take_up(self, piece: int, at: QPointF) -> None:
-        layout = self.layout_shown
-        x, y = self.view.to_canvas(at.x(), at.y())
-        self._held, self._carried = piece, self.group_of(piece)
-        self._grab = (x - float(layout.position[piece][0]), y - float(layout.position[piece][1]))
-        self._sheet.lift(self._carried)
+    def take_up(self, piece: int, at: QPointF) -> None:
+        """Take a piece, and what is locked to it, into the hand."""
+        self._carried = taken_up(self.layout_shown, piece, self.group_of(piece), *self.view.to_canvas(at.x(), at.y()))
+        self._sheet.lift(self._carried.pieces)
         self.setCursor(Qt.CursorShape.ClosedHandCursor)
 
-    def _carry(self, event: QMouseEvent) -> None:
-        layout, (x, y) = self.layout_shown, self._at(event)
-        reach = min(18 / self.view.scale, 0.4 * float(layout.size[self._held].min()))
-        free = layout.tray is None or not layout.tray.holds(x, y)
-        left, top = x - self._grab[0], y - self._grab[1]
-        self._rest = snapped(layout, self._carried, self._held, left, top, reach) if free else (round(left), round(top), False)
+    def carry_to(self, at: QPointF) -> None:
+        """Move what is in the hand."""
+        x, y = self.view.to_canvas(at.x(), at.y())
+        self._carried = self._carried.moved(self.layout_shown, x, y, SNAP / self.view.scale)
         self._refresh()
 
     def _drop_carried(self) -> None:
-        if self._carried:
-            self._carried, self._held = frozenset(), -1
-            self._sheet = compose(self.layout_shown)
+        """Show carried pieces where the layout has them; whoever hears of it shows another."""
+        if self._carried is not None:
+            for piece in sorted(self._carried.pieces):
+                self._sheet.paste(piece, self.layout_shown)
+            self._sheet.refresh()
+            self._carried = self._pressed = None
             self._refresh()
 
     # --- the window around it

@@ -5,11 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QBrush, QColor, QFont, QPainter, QPen, QPolygonF
+from PySide6.QtGui import QBrush, QColor, QFont, QImage, QPainter, QPen, QPolygonF
 
 from ..palette import Theme
 from .puzzle_layout import Box, Layout, outlines
 from .puzzle_scene import BINS, View, bin_colours, in_view, widths
+from .puzzle_sheet import rasters
+from .puzzle_snap import Carried
 
 _SYMBOL = 8.0
 
@@ -145,6 +147,28 @@ def _paint_wrong(painter: QPainter, layout: Layout, overlay: Overlay, view: View
     lines = view.to_screen(overlay.seams[overlay.wrong_joins])
     for segment in lines[in_view(lines, extent.width, extent.height)]:
         _line(painter, segment)
+
+
+def paint_carried(painter: QPainter, layout: Layout, carried: Carried, view: View, theme: Theme) -> None:
+    """Carried pieces where they would come to rest, with a frame that says whether they snapped."""
+    step = carried.step(layout)
+    for piece in sorted(carried.pieces):
+        raster = np.ascontiguousarray(np.rot90(rasters(layout.puzzle)[piece], -int(layout.turns[piece])))
+        h, w = raster.shape[:2]
+        image = QImage(raster.data, w, h, 4 * w, QImage.Format.Format_ARGB32_Premultiplied)
+        painter.save()
+        painter.translate(*view.to_screen(layout.position[piece] + step).tolist())
+        painter.scale(view.scale, view.scale)
+        painter.drawImage(QPointF(0, 0), image)
+        painter.restore()
+        outline(painter, view.to_screen(layout.polygon(piece) + step), theme, carried.rest[2])
+
+
+def paint_outlines(painter: QPainter, layout: Layout, pieces: tuple[int, ...], view: View, theme: Theme) -> None:
+    """Frames around pieces."""
+    corners, first = view.to_screen(layout.corners()), outlines(layout.puzzle).first
+    for piece in pieces:
+        outline(painter, corners[first[piece] : first[piece + 1]], theme)
 
 
 def outline(painter: QPainter, ring: np.ndarray, theme: Theme, strong: bool = True) -> None:

@@ -1,4 +1,6 @@
-"""Where a piece that a hand carries comes to rest."""
+"""What a hand carries, and where it comes to rest."""
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,3 +33,34 @@ def snapped(layout: Layout, carried: frozenset[int], piece: int, x: float, y: fl
             x, y = x + step[best][0], y + step[best][1]
             return round(x), round(y), True
     return round(x), round(y), False
+
+
+class Carried(NamedTuple):
+    """Pieces in a hand: the one that it `held`, all that move along, where it was grabbed, and where it would rest.
+
+    `grab` is the point of the held piece's raster below the pointer, `rest` its top-left pixel on the canvas and whether
+    something holds it there.
+    """
+
+    held: int
+    pieces: frozenset[int]
+    grab: tuple[float, float]
+    rest: tuple[int, int, bool]
+
+    def moved(self, layout: Layout, x: float, y: float, reach: float) -> "Carried":
+        """The same with the pointer at (x, y) on the canvas; over the tray nothing snaps."""
+        left, top = x - self.grab[0], y - self.grab[1]
+        if layout.tray is not None and layout.tray.holds(x, y):
+            return self._replace(rest=(round(left), round(top), False))
+        reach = min(reach, 0.4 * float(layout.size[self.held].min()))
+        return self._replace(rest=snapped(layout, self.pieces, self.held, left, top, reach))
+
+    def step(self, layout: Layout) -> np.ndarray:
+        """How far (2,) the pieces are from where the layout has them."""
+        return np.array(self.rest[:2]) - layout.position[self.held]
+
+
+def taken_up(layout: Layout, piece: int, pieces: frozenset[int], x: float, y: float) -> Carried:
+    """A piece, and what moves along, taken up at the point (x, y) of the canvas."""
+    left, top = layout.position[piece].tolist()
+    return Carried(piece, pieces, (x - left, y - top), (left, top, False))

@@ -28,7 +28,6 @@ from gui.views.puzzle_layout import Layout, arrange
 from gui.views.puzzle_painting import Overlay
 from gui.views.puzzle_scene import View, bins, hit_join, hit_piece, seams, shown_joins
 from gui.views.puzzle_sheet import compose
-from gui.views.puzzle_snap import snapped
 
 PX, FRAMES = 28, 40
 
@@ -110,11 +109,10 @@ def main() -> None:
     screen = whole.to_screen(segments)
     print("under a hand:  hit a join ", timed(lambda k: hit_join(screen, 20.0 * k, 10.0 * k, 6)))
     print("               hit a piece", timed(lambda k: hit_piece(layout, 40.0 * k, 30.0 * k)))
-    canvas._take_up(5, QPointF(*whole.to_screen(layout.position[5] + 3)))
+    canvas.take_up(5, QPointF(*whole.to_screen(layout.position[5] + 3)))
 
     def carry(k: int) -> None:
-        canvas._rest = snapped(layout, canvas._carried, 5, 20.0 * k, 15.0 * k, 10)
-        canvas._refresh()
+        canvas.carry_to(QPointF(20.0 * k, 15.0 * k))
         canvas.render(image)
 
     print("               carry      ", timed(carry))

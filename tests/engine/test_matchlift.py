@@ -4,8 +4,16 @@ import numpy as np
 import pytest
 
 from engine.consistency.matchlift import estimate_universe, matchlift
-from engine.consistency.semidefinite import Follower, lower_bound, nearest_semidefinite
+from engine.consistency.semidefinite import Follower, lower_bound, nearest_semidefinite, threads_for
 from engine.errors import BadInput, Cancelled
+
+
+@pytest.fixture(autouse=True)
+def one_thread():
+    """Decompositions of these sizes wait for each other on a busy machine."""
+    with threads_for(1):
+        yield
+
 
 SOLVE = {"sparsity": 0.1, "penalty": 4.0, "tolerance": 1e-3, "max_steps": 1000}
 

@@ -124,7 +124,11 @@ def with_slid(ground: Ground, a: Alignments, odds: np.ndarray) -> tuple[Alignmen
     around = found[better]
     around[np.arange(len(better)), peak] = NOWHERE
     everything = Alignments(*(np.concatenate(pair) for pair in zip(a, new, strict=True)))
-    return everything, np.concatenate([odds, value]), np.concatenate([edge, value - around.max(axis=1, initial=NOWHERE)])
+    return (
+        everything,
+        np.concatenate([odds, value]),
+        np.concatenate([edge, value - around.max(axis=1, initial=NOWHERE)]),
+    )
 
 
 def _moved(ground: Ground, a: Alignments, rows: np.ndarray, by: np.ndarray) -> Alignments:

@@ -188,7 +188,7 @@ def merge(g, layout, trials, forbidden, fixed, main, width, height, either_way, 
         if alive[k]:
             alive[k], more = _judged(g, layout, trials, piece, k, lists[a], lists[b], forbidden, base, z)
             score[k] += more
-    chosen = []
+    chosen: list[int] = []
     while True:
         best = -1
         for k in range(c):

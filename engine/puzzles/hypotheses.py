@@ -34,10 +34,12 @@ class Rules(NamedTuple):
 
 
 class Hypothesis(NamedTuple):
-    """A layout, the trials it was merged by, in order, and the sum of the log odds of all its contacts."""
+    """A layout, the trials it was merged by, in order, their log odds (c,) as it saw them, and the sum of the log odds
+    of all its contacts."""
 
     layout: Layout
     chosen: np.ndarray
+    odds: np.ndarray
     total: float
 
 
@@ -49,18 +51,19 @@ def put_together(ground: Ground, start: Layout, trials: Trials, rules: Rules, le
         ground, layout, trials, rules.forbidden, rules.fixed, nobody, rules.width, rules.height, rules.either_way,
         least, rules.base,
     )  # fmt: skip
-    return Hypothesis(layout, np.array(chosen, dtype=np.int64), contact_total(ground, layout, rules.base)[0])
+    return Hypothesis(
+        layout, np.array(chosen, dtype=np.int64), trials.odds, contact_total(ground, layout, rules.base)[0]
+    )
 
 
 def reconsidered(
     ground: Ground, start: Layout, trials: Trials, rules: Rules, *, least: float, tries: int, progress: Progress
 ) -> Hypothesis:  # fmt: skip
     """Try up to `tries` joins the other way, the most striking first, and keep what the contacts speak for."""
-    odds = trials.odds.copy()
     best = put_together(ground, start, trials, rules, least)
-    tried = np.zeros((2, len(odds)), dtype=bool)
+    tried = np.zeros((2, len(trials.odds)), dtype=bool)
     for number in range(tries):
-        made, kept = np.zeros(len(odds), dtype=bool), np.zeros(len(odds), dtype=bool)
+        made, kept = np.zeros(tried.shape, dtype=bool)
         made[best.chosen] = True
         held(ground, best.layout, trials, kept)
         striking = np.stack([np.where(made, DOUBT - trials.odds, -np.inf), np.where(kept, -np.inf, trials.odds)])
@@ -69,11 +72,11 @@ def reconsidered(
         if striking[way, k] <= (0.0 if way else -np.inf):
             break
         tried[way, k] = True
-        other = odds.copy()
+        other = best.odds.copy()
         other[k] = SURE if way else NEVER
         attempt = put_together(ground, start, trials._replace(odds=other), rules, least)
         if attempt.total > best.total + BETTER:
-            best, odds = attempt, other
+            best = attempt
         progress((number + 1) / tries, "weighing other ways")
     return best
 
@@ -110,3 +113,26 @@ def filled(ground: Ground, start: Layout, layout: Layout, trials: Trials, rules:
             rules.width, rules.height, rules.either_way, least, rules.base - LENIENT,
         )  # fmt: skip
     return result
+
+
+def room_around(ground: Ground, layout: Layout, inside: np.ndarray, size: tuple[int, int]) -> list[tuple[int, int]]:
+    """The shifts (x, y) that put some pieces into the corners of a picture of (w, h) pixels, likeliest first.
+
+    A border of the picture is a straight line of sides without a gap: where a cluster is smaller than the picture, it
+    lies at those of its own borders that are the straightest.
+    """
+    rows = np.flatnonzero(inside[np.searchsorted(ground.first, np.arange(len(ground.step)), side="right") - 1])
+    piece = np.searchsorted(ground.first, rows, side="right") - 1
+    start = ground.start[rows, layout.turns[piece]] + layout.place[piece]
+    end = ground.end[rows, layout.turns[piece]] + layout.place[piece]
+    choices = []
+    for axis in (0, 1):
+        low, high = start[:, axis].min(), start[:, axis].max()
+        along = np.abs(end - start)[:, 1 - axis]
+        covered = [
+            along[(np.abs(start[:, axis] - line) <= 1) & (np.abs(end[:, axis] - line) <= 1)].sum()
+            for line in (low, high)
+        ]
+        shifts = [-round(float(low)), size[axis] - round(float(high))]
+        choices.append(list(dict.fromkeys(shifts if covered[0] >= covered[1] else shifts[::-1])))
+    return [(x, y) for x in choices[0] for y in choices[1]]

@@ -34,7 +34,10 @@ def model_of(measure: str) -> Model:
     """The fitted model of a measure."""
     numbers = _numbers()[measure]
     return Model(
-        triangle(np.array(numbers["form"])), np.array(numbers["contest"]), np.array(numbers["placed"]), numbers["base"][0]
+        triangle(np.array(numbers["form"])),
+        np.array(numbers["contest"]),
+        np.array(numbers["placed"]),
+        numbers["base"][0],
     )
 
 

@@ -14,9 +14,10 @@ from ..progress import Progress, share, silent
 from .alignments import Alignments, alignments, contest_features, with_slid
 from .clusters import Layout, Trials
 from .contacts import LEARNED, Ground, all_odds, ground_of
-from .hypotheses import Rules, filled, largest, reconsidered
+from .hypotheses import Hypothesis, Rules, filled, largest, put_together, reconsidered, room_around
 from .identity import size_of
 from .measures import CODES, IN_LAB, to_lab
+from .packing import SWEEPS, packed, rotated_layout
 from .parameters import PuzzleParameters
 from .pieces import Piece, Puzzle
 from .placedjoins import joins_of_layout, likely_partners
@@ -26,6 +27,7 @@ from .solution import UNPLACED, Joins, PuzzleSolution, Wishes
 from .subedges import Sides, sides_of
 
 PROMISING = -6.0  # log odds of a candidate that clusters are merged by
+SURER = (0.0, 3.0, 6.0)  # summed log odds of the merges that packing starts from
 LEAST = 0.0  # summed log odds of a merge before the last pieces are filled in
 NO_WISHES = Wishes()
 
@@ -100,7 +102,8 @@ def assemble_polygons(
     )
     progress(0.8, "filling in")
     layout = filled(prepared.ground, start, best.layout, everything, rules, puzzle.pictures)
-    picture, position, turns, sizes = _pictures(puzzle, layout, rules)
+    layout = _without_gaps(prepared, start, trials, best, layout, rules)
+    picture, position, turns, sizes = _pictures(prepared, layout, rules)
     placed = Layout(np.where(picture == UNPLACED, -1 - np.arange(puzzle.count), picture), position, turns)
     joins = joins_of_layout(
         prepared.ground, placed, prepared.candidates, prepared.odds, prepared.model.base, prepared.model.placed,
@@ -115,6 +118,29 @@ def assemble_polygons(
     )  # fmt: skip
 
 
+def _without_gaps(
+    prepared: PreparedPolygons, start: Layout, trials: Trials, best: Hypothesis, layout: Layout, rules: Rules
+) -> Layout:
+    """Where pieces found no room though the picture is exactly as large as all together: packed, if that succeeds.
+
+    What stays as it is are the joins of the best hypothesis, first all of them, then only the surer ones.
+    """
+    puzzle = prepared.puzzle
+    area = sum(int(piece.mask.sum()) for piece in puzzle.pieces)
+    if not rules.width or area != rules.width * rules.height or len(np.unique(layout.cluster)) == 1:
+        return layout
+    for tries, least in ((tries, least) for tries in SWEEPS for least in SURER):
+        core = put_together(prepared.ground, start, trials._replace(odds=best.odds), rules, least).layout
+        found = packed(
+            prepared.ground, start, core, int(largest(core, 1, rules.fixed)[0]), rules.forbidden,
+            (rules.width, rules.height), fixed=rules.fixed >= 0, turned=puzzle.turned, base=rules.base,
+            tries=tries,
+        )  # fmt: skip
+        if found is not None:
+            return found
+    return layout
+
+
 def _tries(parameters: PuzzleParameters) -> int:
     return 0 if parameters.method == "mst" else parameters.hypotheses
 
@@ -126,25 +152,40 @@ def _rules(prepared: PreparedPolygons, parameters: PuzzleParameters, fixed: int,
     return Rules(forbidden, fixed, width, height, puzzle.turned and fixed < 0, prepared.model.base)
 
 
-def _pictures(puzzle: Puzzle, layout: Layout, rules: Rules) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _pictures(
+    prepared: PreparedPolygons, layout: Layout, rules: Rules
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """The largest clusters as pictures: picture (n,), position (n, 2), turns (n,), sizes (pictures, 2)."""
-    n = puzzle.count
+    puzzle, n = prepared.puzzle, prepared.puzzle.count
     picture, position, turns = np.full(n, UNPLACED), np.zeros((n, 2), dtype=np.int64), np.zeros(n, dtype=np.int64)
-    sizes = []
+    sizes, frame = [], (rules.width, rules.height)
     for number, name in enumerate(largest(layout, puzzle.pictures, rules.fixed)):
-        on = np.flatnonzero(layout.cluster == name)
-        picture[on], turns[on] = number, layout.turns[on]
-        extents = np.array([size_of(puzzle.pieces[i], int(t)) for i, t in zip(on, turns[on], strict=True)])
-        place = layout.place[on]
-        if not (number == 0 and rules.fixed >= 0):
-            place = place - place.min(axis=0)
-        high = (place + extents).max(axis=0)
-        if rules.either_way and rules.width and (high > (rules.width, rules.height)).any():  # it lies on its side
-            place = np.column_stack([high[1] - place[:, 1] - extents[:, 1], place[:, 0]])
-            turns[on], high = (turns[on] + 1) % 4, high[::-1]
-        position[on] = place
-        sizes.append((rules.width, rules.height) if rules.width else tuple(high))
+        inside = layout.cluster == name
+        on = np.flatnonzero(inside)
+        here = layout
+        if rules.either_way and rules.width and (_extent(puzzle, layout, on) > frame).any():
+            here = rotated_layout(prepared.ground, layout, 1, frame[::-1])  # it lies on its side
+        low, high = _corners(puzzle, here, on)
+        if number == 0 and rules.fixed >= 0:
+            shift = np.zeros(2, dtype=np.int64)
+        elif rules.width:
+            shift = np.array(room_around(prepared.ground, here, inside, frame)[0])
+        else:
+            shift = -low
+        picture[on], position[on], turns[on] = number, here.place[on] + shift, here.turns[on]
+        sizes.append(frame if rules.width else tuple(high + shift))
     return picture, position, turns, np.array(sizes)
+
+
+def _corners(puzzle: Puzzle, layout: Layout, on: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The top-left and bottom-right pixels (2,) around some pieces."""
+    extents = np.array([size_of(puzzle.pieces[i], int(layout.turns[i])) for i in on])
+    return layout.place[on].min(axis=0), (layout.place[on] + extents).max(axis=0)
+
+
+def _extent(puzzle: Puzzle, layout: Layout, on: np.ndarray) -> np.ndarray:
+    low, high = _corners(puzzle, layout, on)
+    return high - low
 
 
 def candidate_joins_of_polygon(prepared: PreparedPolygons, piece: int, side: int) -> Joins:

@@ -114,4 +114,4 @@ def sampled(piece: Piece, points: np.ndarray, inward: np.ndarray) -> np.ndarray:
             part = part * (piece.mask[row, column] & (row == top + dy) & (column == left + dx))
             colours[empty] += part[:, None] * piece.image[row, column]
             weight[empty] += part
-    return np.float32(colours / np.maximum(weight, 1e-9)[:, None])
+    return (colours / np.maximum(weight, 1e-9)[:, None]).astype(np.float32)

@@ -163,7 +163,7 @@ def write_pieces(puzzle: Puzzle, folder: Path | str, *, progress: Progress = sil
     written = list(contents)
     if not all(piece.mask.all() for piece in puzzle.pieces):
         contents[folder / OUTLINES] = json.dumps({"schema": SCHEMA, "pieces": outlines}) + "\n"
-    write_together(contents)
+    write_together(contents, synced=False)
     return written
 
 

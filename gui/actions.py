@@ -83,6 +83,7 @@ TABLE = (
     Action("turn-piece", "&Puzzle", "Turn the piece by a &quarter", (".",), "mdi6.rotate-right", lambda w: w.puzzle.hands.turn(),
            pages=PUZZLE),
     Action("clear-wishes", "&Puzzle", "&Forget locks, rejections and pins", (), "", lambda w: w.puzzle.hands.clear(), pages=PUZZLE),
+    Action("open-wishes", "&Puzzle", "&Open locks and pins…", (), "", lambda w: w.puzzle.files.open_wishes(), pages=PUZZLE),
     Action("contrast", "&Puzzle", "Spread the &tones of the close-up", ("C",), "", lambda w: w.puzzle.page.join.contrast.toggle(),
            pages=PUZZLE),
     Action("truth", "&Puzzle", "&Compare with the truth", ("T",), "", lambda w: w.puzzle.page.toggle_truth(), pages=PUZZLE),

@@ -13,6 +13,7 @@ from .puzzle import PuzzlePage
 from .puzzle_files import PuzzleFiles
 from .puzzle_hands import Hands
 from .puzzle_judging import PuzzleJudging
+from .puzzle_memory import Memory
 from .puzzle_solving import Solving
 from .puzzle_state import PuzzleState, counts_text
 from .status import seconds_text
@@ -34,6 +35,7 @@ class PuzzleDesk(QObject):
         self.judging = PuzzleJudging(self.session, window.session, window.judging, window.study_jobs, self)
         self.page = PuzzlePage(self.session, self.solving, self.hands, self.judging, window)
         self.files = PuzzleFiles(self)
+        self.memory = Memory(self.session, window.study_jobs, self)
         self.seconds = ""
         self._connect()
 

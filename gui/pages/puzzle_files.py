@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from .puzzle_desk import PuzzleDesk
 
 PICTURES = "Pictures (*.png *.jpg *.jpeg *.tif *.tiff *.bmp *.webp *.gif *.ppm)"
+WISHES = "Locks, rejections and pins (*.json)"
 KIND_WORDS = {"squares": "Squares", "merged": "Merged squares", "rectangles": "Rectangles", "triangles": "Triangles and squares"}
 PREVIEW = 240
 
@@ -153,6 +154,23 @@ class PuzzleFiles(QObject):
 
         self.desk.window.attempt(write, f"Picture written to {path}")
 
+    def open_wishes(self) -> None:
+        """Ask for a file of locks, rejections and pins."""
+        if self.desk.session.state.puzzle is None:
+            self.desk.window.say("There is no puzzle yet that locks could belong to; open its pieces first.")
+            return
+        path, _ = QFileDialog.getOpenFileName(self.desk.window, "Open locks, rejections and pins", self._folder, WISHES)
+        if path:
+            self.read_wishes(path)
+
+    def read_wishes(self, path: str) -> None:
+        """Take the locks, rejections and pins of a file instead of the present ones."""
+        from engine.puzzles.wishfile import read_wishes
+
+        session = self.desk.session
+        self.desk.window.attempt(lambda: session.update(wishes=read_wishes(path, session.state.puzzle), preview=None),
+                                 f"Locks read from {path}")  # fmt: skip
+
     def export_solution(self) -> None:
         """Ask for a folder, and write solution.json, joins.csv and the wishes there."""
         if self._solved() is not None:
@@ -162,13 +180,19 @@ class PuzzleFiles(QObject):
                 self.write_solution(Path(folder))
 
     def write_solution(self, folder: Path) -> None:
-        """Write positions and joins into a folder."""
+        """Write positions, joins and, where there are some, the locks into a folder."""
         from engine.puzzles.solutionfile import write_solution
+        from engine.puzzles.wishfile import write_wishes
 
         state: PuzzleState = self.desk.session.state
-        scores = None if state.marks is None else state.marks.scores
-        self.desk.window.attempt(lambda: write_solution(folder, state.puzzle, state.solution, scores=scores),
-                                 f"Solution written to {folder}")  # fmt: skip
+        scores, right = (None, None) if state.marks is None else (state.marks.scores, state.marks.joins)
+
+        def write() -> None:
+            write_solution(folder, state.puzzle, state.solution, scores=scores, right=right)
+            if state.wishes:
+                write_wishes(folder / "locks.json", state.wishes)
+
+        self.desk.window.attempt(write, f"Solution written to {folder}")
 
     def _solved(self) -> PuzzleState | None:
         state: PuzzleState = self.desk.session.state

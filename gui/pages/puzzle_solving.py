@@ -17,6 +17,7 @@ from engine.puzzles.solution import PuzzleSolution, Wishes
 from ..jobs import FOLLOW, SUPERSEDE, Jobs
 from ..session import Session
 from .puzzle_edits import shifted
+from .puzzle_memory import remembered
 from .puzzle_state import ASSEMBLE, NOTHING, PREPARE, Marks, PuzzleState, frame_known, needed, opened, slow_values
 
 EXAMPLE_PIECES = 300
@@ -88,12 +89,17 @@ class Solving(QObject):
         self._open(lambda _: cut_picture(path, Cut(pieces=EXAMPLE_PIECES)), "example")
 
     def _open(self, work: Callable[[Progress], tuple[Puzzle, Truth | None]], origin: str) -> None:
-        def done(answer: tuple[Puzzle, Truth | None]) -> None:
-            self.session.update(**opened(*answer, origin))
+        def read(progress: Progress) -> tuple[Puzzle, Truth | None, Wishes]:
+            puzzle, truth = work(progress)
+            return puzzle, truth, remembered(puzzle)
+
+        def done(answer: tuple[Puzzle, Truth | None, Wishes]) -> None:
+            puzzle, truth, wishes = answer
+            self.session.update(**opened(puzzle, truth, origin, wishes))
             self.opened.emit(origin)
 
         self.jobs.cancel("puzzle")
-        self.jobs.start("puzzle-open", work, done, words="Reading the pieces", failed=self.failed.emit)
+        self.jobs.start("puzzle-open", read, done, words="Reading the pieces", failed=self.failed.emit)
 
     # --- solving
 

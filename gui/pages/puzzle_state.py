@@ -104,11 +104,11 @@ def frame_known(state: PuzzleState) -> bool:
     return state.puzzle.frame is not None and state.parameters.frame == "known"
 
 
-def opened(puzzle: Puzzle, truth: Truth | None, origin: str) -> dict[str, Any]:
-    """The changes of a state that put another puzzle on the table."""
+def opened(puzzle: Puzzle, truth: Truth | None, origin: str, wishes: Wishes = NO_WISHES) -> dict[str, Any]:
+    """The changes of a state that put another puzzle on the table, with what was decided on it before."""
     return {
         "puzzle": puzzle, "truth": truth, "origin": origin, "prepared": None, "prepared_with": None, "asked": False,
-        "wishes": NO_WISHES, "solution": None, "solved_with": None, "items": (), "marks": None, "selected": None,
+        "wishes": wishes, "solution": None, "solved_with": None, "items": (), "marks": None, "selected": None,
         "preview": None, "piece": -1, "overlay": False,
     }  # fmt: skip
 

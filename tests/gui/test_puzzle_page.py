@@ -578,8 +578,54 @@ def test_picture_positions_and_joins_are_exported(ready, tmp_path):
     assert len(written["placed"]) == 24
     assert written["scores"]["direct"] == 1
     with open(tmp_path / "joins.csv", newline="") as file:
-        assert len(list(csv.DictReader(file))) == len(state(ready).solution.joins)
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(state(ready).solution.joins)
+    assert {row["right"] for row in rows} == {"yes"}
     assert "written" in ready.status.text.text()
+
+
+def test_locks_are_exported_and_read_again(ready, qtbot, tmp_path):
+    first, second = choose(ready, 3), None
+    press(ready, qtbot, Qt.Key.Key_X)
+    second = choose(ready, 7)
+    press(ready, qtbot, Qt.Key.Key_L)
+    ready.puzzle.files.write_solution(tmp_path)
+    ready.puzzle.hands.clear()
+    settle(ready, qtbot)
+    ready.puzzle.files.read_wishes(str(tmp_path / "locks.json"))
+    settle(ready, qtbot)
+    assert join_keys(state(ready).wishes.forbidden) == [first]
+    assert join_keys(state(ready).wishes.locked) == [second]
+    (tmp_path / "locks.json").write_text("{}")
+    ready.puzzle.files.read_wishes(str(tmp_path / "locks.json"))
+    assert "locks.json" in ready.messages.text.text()
+    assert len(state(ready).wishes.locked) == 1
+
+
+def test_locks_are_there_again_when_the_same_pieces_are_opened_another_day(ready, qtbot, tmp_path):
+    folder = tmp_path / "shards"
+    folder.mkdir()
+    for k, piece in enumerate(cut_small()[0].pieces):
+        (folder / f"shard {k}.png").write_bytes(png_bytes(piece.image))
+    ready.puzzle.drop([str(folder)])
+    settle(ready, qtbot)
+    assert not state(ready).wishes
+    ready.puzzle.solve()
+    settle(ready, qtbot)
+    key = choose(ready, 5)
+    press(ready, qtbot, Qt.Key.Key_X)
+    ready.puzzle.session.update(**opened(*cut_small(4, 3), "another"))
+    ready.puzzle.drop([str(folder)])
+    settle(ready, qtbot)
+    assert join_keys(state(ready).wishes.forbidden) == [key]
+    ready.puzzle.solve()
+    settle(ready, qtbot)
+    assert key not in join_keys(state(ready).solution.joins)
+    ready.puzzle.hands.clear()
+    settle(ready, qtbot)
+    ready.puzzle.drop([str(folder)])
+    settle(ready, qtbot)
+    assert not state(ready).wishes
 
 
 def test_there_is_nothing_to_export_before_anything_is_placed(window):

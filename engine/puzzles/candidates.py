@@ -160,7 +160,7 @@ def _support(probability, pairs, start, partner, index, order, most, result):  #
 def exclusive(probability: np.ndarray, candidates: Candidates) -> np.ndarray:
     """Probabilities (c,) scaled down so that those of no side sum to more than 1: a side has at most one partner."""
     sides = len(candidates.start) - 1
-    total = sum(np.bincount(candidates.pairs[:, end], probability, sides) for end in (0, 1))
+    total = np.bincount(candidates.pairs.ravel(), np.repeat(probability, 2), sides)
     return probability / np.maximum(1.0, np.maximum(total[candidates.pairs[:, 0]], total[candidates.pairs[:, 1]]))
 
 

@@ -20,6 +20,20 @@ BARELY = -3.0  # mean log odds a contact below which no piece is added where the
 Pinned = tuple[int, int, int, int]  # a piece, its column, row and turns
 
 
+class _Canvas(NamedTuple):
+    """A grid (rows, columns) of pieces with room around a main block; its first cell is (x, y) of the block's own cells.
+
+    `width` and `height` limit what is placed (0: no limit); `anchored` says that the grid is the frame itself.
+    """
+
+    grid: np.ndarray
+    x: int
+    y: int
+    width: int
+    height: int
+    anchored: bool
+
+
 class Layout(NamedTuple):
     """`picture` (n,) int64 (`UNPLACED` for none), `x`, `y` cells and `turns` (n,) int64, and the judge's sum."""
 
@@ -49,9 +63,9 @@ def complete(
     if rules.frame is not None:
         blocks = merge_by_contacts(blocks, candidates, e, rules, least=-60.0, hopeful=-4.0)
     blocks = _as_pinned(blocks, pin)
-    layouts = [_completed(blocks, name, rules) for name in mains]
+    canvases = [_canvas(blocks, name, rules) for name in mains]
     pinned = -1 if pin is None else int(np.flatnonzero(mains == blocks.block[pin[0]])[0])
-    return _together(layouts, pinned, blocks, e, rules, turned, groups)
+    return _together(canvases, pinned, blocks, e, rules, turned, groups)
 
 
 def main_blocks(blocks: Blocks, pictures: int, anchored: np.ndarray) -> np.ndarray:
@@ -89,8 +103,8 @@ def _as_pinned(blocks: Blocks, pin: Pinned | None) -> Blocks:
     return Blocks(blocks.block, new_x, new_y, turns)
 
 
-def _completed(blocks: Blocks, name: int, rules: Rules):  # type: ignore[no-untyped-def]
-    """A grid with room around for one main block: (grid, origin x, origin y, width, height, whether its place is known)."""
+def _canvas(blocks: Blocks, name: int, rules: Rules) -> _Canvas:
+    """The canvas of one main block."""
     on = np.flatnonzero(blocks.block == name)
     x, y = blocks.x[on], blocks.y[on]
     anchored = rules.frame is not None and len(rules.anchored) > 0 and name == blocks.block[rules.anchored[0]]
@@ -109,39 +123,41 @@ def _completed(blocks: Blocks, name: int, rules: Rules):  # type: ignore[no-unty
     shape = (height, width) if anchored else (h + 2 * room_y, w + 2 * room_x)
     grid = np.full(shape, EMPTY, dtype=np.int64)
     grid[y - y0, x - x0] = on
-    return grid, x0, y0, width, height, anchored
+    return _Canvas(grid, x0, y0, *((0, 0) if anchored else (width, height)), anchored)
 
 
 def _together(
-    layouts, pinned: int, blocks: Blocks, e: Evidence, rules: Rules, turned: bool, groups: np.ndarray
-) -> Layout:  # type: ignore[no-untyped-def]
-    """Fill all grids with what is left, best first, and read the layout off them."""
+    canvases: list[_Canvas], pinned: int, blocks: Blocks, e: Evidence, rules: Rules, turned: bool, groups: np.ndarray
+) -> Layout:
+    """Fill all canvases with what is left, best first, and read the layout off them."""
     n = len(blocks.block)
     turns = np.array(blocks.turns)
-    held = np.isin(blocks.block, [blocks.block[grid[grid != EMPTY][0]] for grid, *_ in layouts])
+    held = np.isin(blocks.block, [blocks.block[c.grid[c.grid != EMPTY][0]] for c in canvases])
     left = np.flatnonzero(~held & (groups < 0))
     waiting = [np.flatnonzero(groups == g) for g in np.unique(groups[~held & (groups >= 0)])]
-    picture, cx, cy = np.full(n, UNPLACED), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
-    least = -1e9 if rules.frame is not None and len(layouts) == 1 else BARELY
-    worth = 0.0
-    for k, (grid, x0, y0, width, height, anchored) in enumerate(layouts):
-        limits = (0, 0) if anchored else (width, height)
-        waiting = [group for group in waiting if not _place_group(group, blocks, grid, turns, limits, turned, e)]
-        placed = fill_cells(grid, turns, left, np.ones(grid.shape, dtype=bool), *limits, turned, least, e)
-        loose = _loose_cells(grid, np.concatenate([left[placed], _doubtful(grid, turns, e)]), rules, groups)
-        rearrange(grid, turns, loose, turned, ROUNDS, PATIENCE, 0, e)
+    layout = Layout(np.full(n, UNPLACED), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64), turns, 0.0)
+    least = -1e9 if rules.frame is not None and len(canvases) == 1 else BARELY
+    for k, canvas in enumerate(canvases):
+        waiting = [group for group in waiting if not _place_group(group, blocks, canvas, turns, turned, e)]
+        everywhere = np.ones(canvas.grid.shape, dtype=bool)
+        placed = fill_cells(canvas.grid, turns, left, everywhere, canvas.width, canvas.height, turned, least, e)
+        loose = _loose_cells(
+            canvas.grid, np.concatenate([left[placed], _doubtful(canvas.grid, turns, e)]), rules, groups
+        )
+        rearrange(canvas.grid, turns, loose, turned, ROUNDS, PATIENCE, 0, e)
         left = left[~placed]
-        rows, columns = np.nonzero(grid != EMPTY)
-        pieces = grid[rows, columns]
-        picture[pieces], cx[pieces], cy[pieces] = k, columns, rows
-        if anchored or pinned == k:
-            cx[pieces] += x0
-            cy[pieces] += y0
-        elif len(pieces):
-            cx[pieces] -= columns.min()
-            cy[pieces] -= rows.min()
-        worth += total_worth(grid, turns, e)
-    return Layout(picture, cx, cy, turns, worth)
+        _read_off(canvas, k, canvas.anchored or pinned == k, layout)
+        layout = layout._replace(worth=layout.worth + total_worth(canvas.grid, turns, e))
+    return layout
+
+
+def _read_off(canvas: _Canvas, k: int, in_place: bool, layout: Layout) -> None:
+    """Note the cells of the pieces on a canvas, from its first used one or, where it is in its place, from the origin."""
+    rows, columns = np.nonzero(canvas.grid != EMPTY)
+    pieces = canvas.grid[rows, columns]
+    layout.picture[pieces] = k
+    layout.x[pieces] = columns + canvas.x if in_place else columns - columns.min()
+    layout.y[pieces] = rows + canvas.y if in_place else rows - rows.min()
 
 
 def _doubtful(grid: np.ndarray, turns: np.ndarray, e: Evidence) -> np.ndarray:
@@ -155,15 +171,18 @@ def _doubtful(grid: np.ndarray, turns: np.ndarray, e: Evidence) -> np.ndarray:
     return np.array([piece for _, piece in sorted(found)[:MOST_LOOSE]], dtype=np.int64)
 
 
-def _place_group(group, blocks: Blocks, grid, turns, limits, turned, e) -> bool:  # type: ignore[no-untyped-def]
+def _place_group(
+    group: np.ndarray, blocks: Blocks, canvas: _Canvas, turns: np.ndarray, turned: bool, e: Evidence
+) -> bool:
     """Put a locked group where its contacts are best; False where there is no room for it."""
     best, row, column, k = best_place(
-        grid, turns, group, blocks.x[group], blocks.y[group], blocks.turns[group], *limits, turned, e)  # fmt: skip
+        canvas.grid, turns, group, blocks.x[group], blocks.y[group], blocks.turns[group], canvas.width, canvas.height,
+        turned, e)  # fmt: skip
     if best == -np.inf:
         return False
     for piece in group:
         x, y = turn_cell(blocks.x[piece], blocks.y[piece], k)
-        grid[row + y, column + x] = piece
+        canvas.grid[row + y, column + x] = piece
         turns[piece] = (blocks.turns[piece] + k) % 4
     return True
 

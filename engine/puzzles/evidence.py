@@ -17,13 +17,13 @@ UNLISTED = -5.0  # log odds of a pair that is as alike as the best candidate but
 class Evidence(NamedTuple):
     """What assembling asks of two sides, as plain arrays for compiled loops.
 
-    `start`, `partner`, `index` are those of the candidates and `logit` (c,) float64 their log odds; `outer`
+    `start`, `partner`, `row` are `start`, `partner`, `index` of the candidates and `logit` (c,) float64 their log odds; `outer`
     (s, L, 3), `mean` (s, 3), `inverse` (s, 3, 3) are what MGC needs, and `best` (s,) the least MGC of each side.
     """
 
     start: np.ndarray
     partner: np.ndarray
-    index: np.ndarray
+    row: np.ndarray
     logit: np.ndarray
     outer: np.ndarray
     mean: np.ndarray
@@ -58,7 +58,7 @@ def _evened(logit: np.ndarray, value: np.ndarray, best: np.ndarray, candidates: 
     ratio = value / best[candidates.pairs].min(axis=1)
     alike = ratio < 1.05
     sides = len(candidates.start) - 1
-    ties = sum(np.bincount(candidates.pairs[alike, end], minlength=sides) for end in (0, 1))
+    ties = np.bincount(candidates.pairs[alike].ravel(), minlength=sides)
     crowded = (ties >= CROWD)[candidates.pairs].any(axis=1) & (logit < 0)
     plain = np.maximum(UNLISTED - 2.0 * np.log(np.maximum(ratio, 1.0)), -LIMIT)
     return np.where(crowded, plain, logit)
@@ -69,7 +69,7 @@ def fit(e, r, c):  # type: ignore[no-untyped-def]
     """Log odds that the sides r and c belong together."""
     for k in range(e.start[r], e.start[r + 1]):
         if e.partner[k] == c:
-            return e.logit[e.index[k]]
+            return e.logit[e.row[k]]
     value = mgc(e.outer[r], e.mean[r], e.inverse[r], e.outer[c], e.mean[c], e.inverse[c], 1.0, True)
     ratio = (value + 1e-3 * e.outer.shape[1]) / min(e.best[r], e.best[c])
     return max(UNLISTED - 2.0 * np.log(max(ratio, 1.0)), -LIMIT)

@@ -57,7 +57,7 @@ class Strips:
 
 def smoothed(strips: Strips, width: int) -> Strips:
     """The same strips, each value the mean of `width` (odd) pixels along the side; ends are repeated."""
-    from scipy.ndimage import uniform_filter1d
+    from scipy.ndimage import uniform_filter1d  # type: ignore[attr-defined]
 
     outer, inner = (uniform_filter1d(a, width, axis=1, mode="nearest") for a in (strips.outer, strips.inner))
     return Strips(outer, inner, strips.gap, strips.seam)

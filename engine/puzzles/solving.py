@@ -4,7 +4,9 @@ from typing import TYPE_CHECKING
 
 from ..errors import BadInput
 from ..progress import Progress, share, silent
-from .gridsolving import PreparedGrid, assemble_grid, candidate_joins_of_square, prepare_grid
+from .gridreading import candidate_joins_of_square
+from .gridsolving import assemble_grid, prepare_grid
+from .gridwishes import PreparedGrid
 from .parameters import PuzzleParameters
 from .pieces import Puzzle
 from .solution import Joins, PuzzleSolution, Wishes

@@ -8,7 +8,6 @@ import pytest
 from test_puzzle_confirming import picture
 
 from engine.errors import BadInput, BadParameter, Cancelled
-from engine.puzzle_tables_command import tables
 from engine.puzzles.cutting import cut
 from engine.puzzles.measures import side_strips
 from engine.puzzles.parameters import PuzzleParameters
@@ -17,6 +16,8 @@ from engine.puzzles.scoring import score
 from engine.puzzles.solution import PuzzleSolution, no_joins
 from engine.puzzles.thesis_tables import table_4_1, table_5_2
 from engine.puzzles.thesis_tables_text import csv_of_4_1, csv_of_5_2, table_of_4_1, table_of_5_2
+from engine.table_commands import table_4_1 as command_4_1
+from engine.table_commands import table_5_2 as command_5_2
 
 NONE = np.zeros(0, dtype=np.int64)
 
@@ -133,37 +134,34 @@ def test_the_tables_are_written_whole(tmp_path, capsys):
     folder, out = tmp_path / "pictures", tmp_path / "out"
     folder.mkdir()
     Image.fromarray(picture(60, 60)).save(folder / "a.png")
-    tables("4.1", folder, out=out, grids=[3])
-    assert sorted(path.name for path in out.iterdir()) == ["report.html", "table.csv", "table.md"]
+    command_4_1(folder, out=out, grids=[3], t1=[0.7], t2=[0.5])
+    assert sorted(path.name for path in out.iterdir()) == ["table-4.1.csv", "table-4.1.html", "table-4.1.md"]
     assert "spanning tree" in capsys.readouterr().out
-    tables("5.2", folder, out=out, pieces=9, frame="known")
-    assert "pruned, EMD" in (out / "table.md").read_text()
-    assert (out / "report.html").read_text().startswith("<!doctype html>")
+    command_5_2(folder, out=out, pieces=9, frame="known")
+    assert "pruned, EMD" in (out / "table-5.2.md").read_text()
+    assert (out / "table-5.2.html").read_text().startswith("<!doctype html>")
 
 
 @pytest.mark.parametrize(
-    ("change", "error", "words"),
+    ("command", "change", "error", "words"),
     [
-        ({"folder": "missing"}, BadInput, "not a folder"),
-        ({"folder": "empty"}, BadInput, "holds no images"),
-        ({"grids": [1]}, BadParameter, "2 to 24"),
-        ({"resolution": 3}, BadParameter, "16 to 8192"),
-        ({"grids": [24], "resolution": 40}, BadInput, "too small"),
-        ({"table": "5.2", "pieces": 2}, BadParameter, "4 to 600"),
-        ({"seed": -1}, BadParameter, "seed"),
-        ({"set": ["lift_sparsity=9"]}, BadParameter, "lift_sparsity"),
+        (command_4_1, {"folder": "missing"}, BadInput, "not a folder"),
+        (command_4_1, {"folder": "empty"}, BadInput, "holds no images"),
+        (command_4_1, {"grids": [24], "resolution": 40}, BadInput, "too small"),
+        (command_4_1, {"set": ["lift_sparsity=9"]}, BadParameter, "lift_sparsity"),
+        (command_5_2, {"pieces": 100_000}, BadInput, "too small"),
+        (command_5_2, {"pieces": 1}, BadInput, "at least 2"),
     ],
 )
-def test_bad_requests_are_refused_in_a_sentence(tmp_path, change, error, words):
+def test_bad_requests_are_refused_in_a_sentence(tmp_path, command, change, error, words):
     from PIL import Image
 
     for name in ("pictures", "empty"):
         (tmp_path / name).mkdir()
     Image.fromarray(picture(60, 60)).save(tmp_path / "pictures" / "a.png")
-    arguments = {"table": "4.1", "folder": "pictures"} | change
-    folder = tmp_path / arguments.pop("folder")
+    arguments = {"folder": "pictures"} | change
     with pytest.raises(error, match=words):
-        tables(arguments.pop("table"), folder, out=tmp_path / "out", **arguments)
+        command(tmp_path / arguments.pop("folder"), out=tmp_path / "out", **arguments)
     assert not (tmp_path / "out").exists() or not list((tmp_path / "out").iterdir())
 
 

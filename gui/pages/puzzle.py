@@ -25,6 +25,7 @@ from ..views.puzzle_layout import arrange
 from ..views.puzzle_scene import growth_order, join_key, seams
 from .puzzle_bar import PuzzleBar
 from .puzzle_edits import group
+from .puzzle_facts import PuzzleFacts
 from .puzzle_hands import Hands
 from .puzzle_judging import PuzzleJudging
 from .puzzle_looking import Looking
@@ -50,7 +51,7 @@ class PuzzlePage(QWidget):
         super().__init__(parent)
         self.session, self.solving, self.hands, self.judging = session, solving, hands, judging
         self.view, self.bar, self.join = PuzzleCanvas(self), PuzzleBar(self), JoinPanel(self)
-        self.form = ParameterForm(PuzzleParameters, self)
+        self.facts, self.form = PuzzleFacts(self), ParameterForm(PuzzleParameters, self)
         self.looking = Looking(session, self.join, self)
         self.panel = self._panel()
         column = QVBoxLayout()
@@ -70,7 +71,12 @@ class PuzzlePage(QWidget):
         area = QScrollArea(self, widgetResizable=True)
         area.setFrameShape(QFrame.Shape.NoFrame)
         area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        area.setWidget(self.form)
+        inside = QWidget(area)
+        whole = QVBoxLayout(inside)
+        whole.setContentsMargins(0, 0, 0, 0)
+        whole.addWidget(self.facts)
+        whole.addWidget(self.form, 1)
+        area.setWidget(inside)
         tabs = QTabWidget(self)
         tabs.setFixedWidth(PANEL_WIDTH)
         tabs.setDocumentMode(True)
@@ -110,6 +116,7 @@ class PuzzlePage(QWidget):
         self.bar.truth.connect(lambda on: update(overlay=on))
         self.bar.fit.connect(self.view.reset_view)
         self.form.edited.connect(self._edited)
+        self.facts.declared.connect(self.hands.declare)
         self.join.stepped.connect(self.step_join)
         self.join.locked.connect(self.hands.lock)
         self.join.rejected.connect(self.hands.reject)
@@ -169,6 +176,7 @@ class PuzzlePage(QWidget):
             for part in (self.view, self.bar, self.join):
                 part.set_theme(theme(state.dark))
         if "puzzle" in names:
+            self.facts.show_puzzle(state.puzzle)
             for part in (self.panel, self.bar):
                 part.setVisible(state.puzzle is not None)
         if names & {"puzzle", "solution"}:

@@ -1,6 +1,7 @@
 """What hands do to a puzzle, as changes of the session: lock, reject, carry, turn, take back."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,7 @@ from .puzzle_edits import (
 )
 from .puzzle_judging import shown_join
 from .puzzle_overlay import join_text
-from .puzzle_state import PuzzleState, by_worst, frame_known
+from .puzzle_state import PuzzleState, by_worst, frame_known, opened
 
 
 class Hands(QObject):
@@ -124,6 +125,16 @@ class Hands(QObject):
         old = pin_of(state.solution, state.piece)
         new = old._replace(quarter_turns=(old.quarter_turns + 1) % 4)
         self._hold(state.solution, [new], pin(state.wishes, [new]), int(state.solution.picture[state.piece]), state.piece)
+
+    def declare(self, turned: bool, pictures: int) -> None:
+        """Say that pieces may be turned, or that several pictures are mixed; what was solved is solved again."""
+        state: PuzzleState = self.session.state
+        puzzle = state.puzzle
+        if puzzle is None or (puzzle.turned, puzzle.pictures) == (turned, pictures):
+            return
+        frame = puzzle.frame if pictures == 1 else None  # the size of one picture says nothing of several
+        self.session.update(**opened(replace(puzzle, turned=turned, pictures=pictures, frame=frame), state.truth, state.origin,
+                                     state.wishes) | {"asked": state.asked})  # fmt: skip
 
     def taken_back(self) -> list[tuple[str, Callable[[], object]]]:
         """Every lock, rejection and pin in words, the newest first, and what takes it back."""

@@ -499,6 +499,24 @@ def held_back(monkeypatch, name):
     return go
 
 
+def test_what_a_person_knows_of_the_pieces_is_declared_and_solved_anew(ready, qtbot):
+    facts = ready.puzzle.page.facts
+    facts.turned.setChecked(True)
+    assert state(ready).puzzle.turned
+    settle(ready, qtbot)
+    assert state(ready).solution.placed.all()
+    facts.pictures.setValue(2)
+    settle(ready, qtbot)
+    assert (state(ready).puzzle.pictures, state(ready).puzzle.frame) == (2, None)
+    assert facts.after.text() == "pictures"
+    ready.undo()
+    ready.undo()
+    settle(ready, qtbot)
+    assert not facts.turned.isChecked()
+    assert facts.pictures.value() == 1
+    assert state(ready).marks.scores.direct == 1
+
+
 def test_an_answer_that_comes_too_late_is_dropped(ready, qtbot, monkeypatch):
     go = held_back(monkeypatch, "assemble")
     first = choose(ready, 2)

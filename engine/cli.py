@@ -28,7 +28,7 @@ def run(app: "App", arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         return 0
     except MemoryError:
-        return complain("There is not enough memory for this; lower node_cap, or use a smaller mesh.")
+        return complain("There is not enough memory for this; use a smaller mesh or picture, or lower node_cap.")
     return result if isinstance(result, int) else 0
 
 

@@ -91,6 +91,8 @@ def solve(
         if values.frame == "unknown":
             puzzle = without_frame(puzzle)
         wishes = _wishes(lock, puzzle)
+        if any(path.is_dir() and path.resolve() == out.resolve() for path in inputs):
+            raise BadInput(f"{out} holds the pieces; choose another folder for the results, or they would be taken for pieces.")
         folder = output_folder(out)
         from .puzzles.solving import solve as solved
 

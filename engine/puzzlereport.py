@@ -184,9 +184,13 @@ def _notes(notes: Sequence[str]) -> str:
 def _source(source: Mapping[str, Any]) -> str:
     if not source:
         return ""
-    rows = [(key, "; ".join(f"{f['name']} ({f['sha256'][:12]})" for f in value) if key == "files" else value)
-            for key, value in source.items() if value is not None]  # fmt: skip
+    rows = [(key, _files(value) if key == "files" else value) for key, value in source.items() if value is not None]
     return f"<h2>Input</h2>{html_table(('', ''), rows)}"
+
+
+def _files(files: Sequence[Mapping[str, str]]) -> str:
+    named = "; ".join(f"{file['name']} ({file['sha256'][:12]})" for file in files[:5])
+    return named + (f"; and {len(files) - 5} more" if len(files) > 5 else "")
 
 
 def _parameters(parameters: PuzzleParameters) -> str:

@@ -34,9 +34,13 @@ def read_image(path: Path | str) -> np.ndarray:
     pixels, which is refused before anything is decoded.
     """
     path = Path(path)
-    if not path.exists():
+    try:
+        there, is_file = path.exists(), path.is_file()
+    except OSError as error:
+        raise BadInput(f"The image {path} cannot be opened ({error.strerror}); check the name.") from None
+    if not there:
         raise BadInput(f"There is no file {path}; check the name.")
-    if not path.is_file():
+    if not is_file:
         raise BadInput(f"{path} is not a file; give an image such as PNG, JPEG, TIFF, BMP or WebP.")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -129,6 +133,11 @@ def _upright(pixels: np.ndarray, orientation: int) -> np.ndarray:
     if orientation in (2, 3, 6, 7):
         pixels = pixels[:, ::-1]
     return pixels
+
+
+def plain_text(name: str) -> str:
+    """The name of a file as text that can be written: bytes that are no UTF-8 are replaced."""
+    return name.encode("utf-8", "replace").decode("utf-8")
 
 
 def opaque(rgba: np.ndarray) -> np.ndarray:

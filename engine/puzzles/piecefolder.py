@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import BadInput
 from ..progress import Progress, silent
 from ..store import output_folder, write_together
-from .imagefile import SUFFIXES, png_bytes, read_image
+from .imagefile import SUFFIXES, plain_text, png_bytes, read_image
 from .masks import SEEN, is_rectangle, plain_ground, polygon_of, standing_out, unbitten, without_rough_border
 from .pieces import Piece, Puzzle, rectangle
 from .tracing import whole
@@ -48,7 +48,7 @@ def read_pieces(folder: Path | str, *, turned: bool = False, progress: Progress 
     if ground is not None or seen:
         pieces, scaled = equal_squares(pieces)
         notes += [f"The pieces were scaled to {scaled} × {scaled} pixels."] if scaled else []
-    return Puzzle(tuple(pieces), turned=turned, name=folder.resolve().name or "pieces", notes=tuple(notes))
+    return Puzzle(tuple(pieces), turned=turned, name=plain_text(folder.resolve().name) or "pieces", notes=tuple(notes))
 
 
 def image_files(folder: Path | str) -> list[Path]:
@@ -85,13 +85,13 @@ def _cropped(path: Path, image: np.ndarray, ground: tuple[np.ndarray, float] | N
     rows, columns = _bounds(body)
     image, body, seen = image[rows, columns], body[rows, columns], seen[rows, columns]
     if is_rectangle(body):
-        return _rectangular(path.name, image[without_rough_border(body)])
+        return _rectangular(plain_text(path.name), image[without_rough_border(body)])
     if ground is None:
-        return _fitting(polygon_of(body, scanned=False), image, body & seen, path.name)
+        return _fitting(polygon_of(body, scanned=False), image, body & seen, plain_text(path.name))
     body = unbitten(body)
     if is_rectangle(body):
-        return _rectangular(path.name, image)
-    return _fitting(polygon_of(body, scanned=True), image, body, path.name)
+        return _rectangular(plain_text(path.name), image)
+    return _fitting(polygon_of(body, scanned=True), image, body, plain_text(path.name))
 
 
 def _rectangular(name: str, image: np.ndarray) -> Piece:
@@ -122,7 +122,7 @@ def _outlined(path: Path, image: np.ndarray, polygon: np.ndarray) -> Piece:
         raise BadInput(
             f"The outline of {path.name} in {path.parent / OUTLINES} does not fit its image of {w} × {h} pixels."
         )
-    return Piece(from_the_top(polygon), np.where(mask[..., None], image[..., :3], 0), mask, path.name)
+    return Piece(from_the_top(polygon), np.where(mask[..., None], image[..., :3], 0), mask, plain_text(path.name))
 
 
 def equal_squares(pieces: Sequence[Piece]) -> tuple[list[Piece], int]:

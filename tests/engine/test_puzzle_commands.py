@@ -208,6 +208,25 @@ def test_a_folder_that_cannot_be_written_to_is_said(here, capsys, command):
         assert main([command, "scene.png", "--piece-size", "24", "--out", "shut"]) == 2
 
 
+def test_results_are_not_mixed_with_pieces(here, capsys):
+    assert main(["cut", "scene.png", "--piece-size", "24", "--out", "pieces"]) == 0
+    before = names(here / "pieces")
+    assert main(["solve", "pieces", "--out", "pieces/../pieces"]) == 2
+    assert "holds the pieces" in capsys.readouterr().err
+    assert names(here / "pieces") == before
+
+
+@pytest.mark.skipif(os.name != "posix", reason="names of files are bytes on POSIX systems only")
+def test_names_that_are_no_text_are_taken(here, scene):
+    odd = os.fsdecode(b"pieces \xff")
+    os.mkdir(odd)
+    for k in range(4):
+        Image.fromarray(scene[:24, 24 * k : 24 * k + 24]).save(os.path.join(odd, os.fsdecode(b"\xfe %d.png" % k)))
+    assert main(["solve", odd, "--out", "out", *FAST]) == 0
+    assert json.loads((here / "out/solution.json").read_text())["names"][3] == "? 3.png"
+    assert main(["solve", "x" * 300 + ".png", "--out", "out2"]) == 2
+
+
 def test_pieces_are_not_mixed_with_other_images(here, capsys):
     assert main(["cut", "scene.png", "--piece-size", "24", "--out", "."]) == 2
     assert "holds images already" in capsys.readouterr().err

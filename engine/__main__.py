@@ -179,15 +179,13 @@ def parameter_text() -> str:
 
 def _described(model: type[Parameters]) -> list[str]:
     """The parameters of a model, one line each, under the names of their groups."""
-    lines, group = [], ""
+    groups: dict[str, list[str]] = {}
     for info in declared(model):
-        if info.group != group:
-            group = info.group
-            lines += ["", f"{group}:"]
         kinds = "|".join(info.choices) if info.choices else "true|false" if info.kind == "switch" else f"{info.low:g}..{info.high:g}"
         details = [d for d in (info.symbol, info.unit, info.source, *info.methods) if d]
-        lines.append(f"  {info.name:<20}{info.default!s:<12}{kinds:<40}{info.doc}" + (f" [{', '.join(details)}]" if details else ""))
-    return lines
+        line = f"  {info.name:<20}{info.default!s:<12}{kinds:<38}  {info.doc}" + (f" [{', '.join(details)}]" if details else "")
+        groups.setdefault(info.group, []).append(line)
+    return [line for group, lines in groups.items() for line in ("", f"{group}:", *lines)]
 
 
 def _version() -> str:

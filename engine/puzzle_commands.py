@@ -77,7 +77,7 @@ def solve(
     set
         NAME=VALUE, replaces single parameters; may be given several times.
     parameters
-        A JSON object of names and values; `--method`, `--measure` and `--set` still win.
+        A JSON object of names and values, or a solution.json; `--method`, `--measure` and `--set` still win.
     lock
         A file of wishes: joins locked or forbidden, and pieces pinned.
     """
@@ -106,6 +106,8 @@ def chosen(
 ) -> PuzzleParameters:  # fmt: skip
     """The parameters of a run: those of a file, then options, then single settings; raises `BadParameter`."""
     values: dict[str, Any] = {} if file is None else read_values(file)
+    if "schema" in values and isinstance(values.get("parameters"), dict):
+        values = values["parameters"]  # of a solution
     options = {"method": method, "measure": measure, "frame": frame, "missing": True if missing else None}
     values |= {name: value for name, value in options.items() if value is not None}
     return PuzzleParameters().changed(**values).changed(**assignments(settings or ()))

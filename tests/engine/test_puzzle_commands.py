@@ -138,6 +138,14 @@ def test_a_run_again_writes_the_same(here):
     assert (here / "one/assembled.png").read_bytes() == (here / "two/assembled.png").read_bytes()
 
 
+def test_the_parameters_of_a_solution_serve_the_next_run(here):
+    assert main(["solve", "scene.png", "--piece-size", "24", "--out", "one", *FAST, "--set", "listed=9"]) == 0
+    assert main(["solve", "scene.png", "--piece-size", "24", "--out", "two", "--parameters", "one/solution.json"]) == 0
+    one, two = (json.loads((here / name / "solution.json").read_text()) for name in ("one", "two"))
+    assert two["parameters"] == one["parameters"]
+    assert two["parameters"]["listed"] == 9
+
+
 def test_the_parameters_of_puzzles_are_listed():
     text = parameter_text()
     for name in PuzzleParameters.model_fields:

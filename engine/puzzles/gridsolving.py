@@ -110,7 +110,7 @@ def _order(
             first = _completed(tree, job, parameters)
         return assembly.by_linear_programme(p, found, first.turns, rounds=12, least=0.05, progress=progress)
     if method in ("matchlift", "diffusion"):
-        from .confirmation import confirmed_joins
+        from .confirming import confirmed_joins
 
         kept = confirmed_joins(method, job.puzzle, job.strips, job.candidates, parameters, progress=progress).kept
         confirmed[method] = kept

@@ -41,7 +41,7 @@ class PuzzleParameters(Parameters):
         symbol="t₁", equation="4.5", group=_MATCHLIFT, methods=("matchlift",))  # fmt: skip
     lift_accept: float = parameter(
         0.5, "Least lifted match, of both halves, that confirms a join.", low=0.05, high=1.0, step=0.05, symbol="t₂",
-        equation="Section 4.4", live=True, group=_MATCHLIFT, methods=("matchlift",))  # fmt: skip
+        equation="Section 4.4", group=_MATCHLIFT, methods=("matchlift",))  # fmt: skip
     lift_sparsity: float = parameter(
         0.1, "What a match costs in MatchLift: it must earn as much by its similarity.", low=0.01, high=0.9, step=0.01,
         symbol="λ", equation="4.3", group=_MATCHLIFT, methods=("matchlift",))  # fmt: skip

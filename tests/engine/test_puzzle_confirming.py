@@ -6,8 +6,7 @@ import pytest
 from engine.consistency.apart import all_the_same, capped_components, matchlift_apart
 from engine.consistency.matchlift import matchlift
 from engine.errors import BadInput, BadParameter, Cancelled
-from engine.puzzles.confirmation import confirmed_joins
-from engine.puzzles.confirming import confirm_diffusion, confirm_matchlift
+from engine.puzzles.confirming import confirm_diffusion, confirm_matchlift, confirmed_joins
 from engine.puzzles.corners import (
     corner_matrix,
     corner_similarity,

@@ -129,23 +129,19 @@ def _hatch(shown: np.ndarray, piece: Piece, position: np.ndarray, turns: int) ->
 
 
 def sheet(puzzle: Puzzle, *, width: int = 1200, most: int = 30_000) -> np.ndarray:
-    """All pieces as they were read, in their order, in rows on paper, (h, w, 3) uint8; at most `most` of them."""
+    """All pieces as they were read, in their order, in rows on paper, (h, width, 3) uint8; at most `most` of them."""
     import cv2
 
     pieces = puzzle.pieces[:most]
-    largest = max(max(piece.mask.shape) for piece in pieces)
-    columns = max(1, int(np.ceil(np.sqrt(len(pieces) * 1.6))))
-    cell = int(np.clip(width // columns, 6, 160))
-    columns = (width - 3) // cell
-    gap = 1 if cell < 24 else 3
-    scale = min((cell - gap) / largest, 2.0)
-    rows = -(-len(pieces) // columns)
-    page = np.broadcast_to(PAPER, (rows * cell + gap, columns * cell + gap, 3)).copy()
-    for k, piece in enumerate(pieces):
-        h, w = (max(1, round(side * scale)) for side in piece.mask.shape)
-        how = cv2.INTER_AREA if scale < 1 else cv2.INTER_NEAREST
+    sides = np.array([piece.mask.shape[::-1] for piece in pieces], dtype=np.float64)
+    scale = min(np.sqrt(0.62 * width**2 / (sides[:, 0] * sides[:, 1]).sum()), 240 / sides.max(), 2.5)
+    sizes = np.maximum(np.round(sides * scale), 1).astype(np.int64)
+    gap = 1 if np.median(sizes) < 16 else 3 if puzzle.square is not None else 8
+    places, height = shelves(sizes, width, gap)
+    page = np.broadcast_to(PAPER, (height, width, 3)).copy()
+    how = cv2.INTER_AREA if scale < 1 else cv2.INTER_NEAREST
+    for piece, (x, y), (w, h) in zip(pieces, places.tolist(), sizes.tolist(), strict=True):
         small = np.asarray(cv2.resize(piece.image, (w, h), interpolation=how))
-        y, x = (cell * (k // columns) + (cell + gap - h) // 2, cell * (k % columns) + (cell + gap - w) // 2)
         place = page[y : y + h, x : x + w]
         if piece.mask.all():
             place[:] = small
@@ -153,6 +149,18 @@ def sheet(puzzle: Puzzle, *, width: int = 1200, most: int = 30_000) -> np.ndarra
             share = np.asarray(cv2.resize(piece.mask.astype(np.float32), (w, h), interpolation=how))[..., None]
             place[:] = np.minimum(small + place * (1 - share), 255).astype(np.uint8)
     return page
+
+
+def shelves(sizes: np.ndarray, width: int, gap: int) -> tuple[np.ndarray, int]:
+    """Places (n, 2) of boxes (n, 2) side by side in rows no wider than `width`, in their order, and the height of all."""
+    places = np.zeros((len(sizes), 2), dtype=np.int64)
+    x, y, tallest, first = gap, gap, 0, 0
+    for k, (w, h) in enumerate(sizes.tolist()):
+        if k > first and x + w + gap > width:
+            y, x, tallest, first = y + tallest + gap, gap, 0, k
+        places[k] = x, y
+        x, tallest = x + w + gap, max(tallest, h)
+    return places, y + tallest + gap
 
 
 def close_up(puzzle: Puzzle, solution: PuzzleSolution, join: int, *, longest: int = 150) -> np.ndarray:

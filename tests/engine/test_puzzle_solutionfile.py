@@ -14,7 +14,16 @@ from engine.puzzlereport import puzzle_report, reliability
 from engine.puzzles.cutting import cut, mix
 from engine.puzzles.parameters import PuzzleParameters
 from engine.puzzles.pieces import Puzzle
-from engine.puzzles.rendering import assembled, close_up, confidence_colours, marked, sheet, side_ends, thumbnail
+from engine.puzzles.rendering import (
+    assembled,
+    close_up,
+    confidence_colours,
+    marked,
+    sheet,
+    shelves,
+    side_ends,
+    thumbnail,
+)
 from engine.puzzles.scoring import score
 from engine.puzzles.solution import UNPLACED, Joins, Pin, PuzzleSolution, Wishes, no_joins
 from engine.puzzles.solutionfile import joins_to_csv, read_solution, solution_to_json, write_solution
@@ -225,9 +234,15 @@ def test_a_close_up_shows_the_two_pieces_as_they_lie():
 
 def test_the_sheet_shows_every_piece_in_order():
     puzzle, _ = cut_up(px=16)
-    page = sheet(puzzle, width=6 * 19 + 3)
-    assert page.shape[1] <= 6 * 19 + 3
+    page = sheet(puzzle, width=120)
+    assert page.shape[1] == 120
     assert len(np.unique(page.reshape(-1, 3), axis=0)) > 100
+
+
+def test_boxes_stand_side_by_side_in_rows():
+    places, height = shelves(np.array([[4, 3], [5, 9], [6, 2], [30, 1]]), 15, 1)
+    assert places.tolist() == [[1, 1], [6, 1], [1, 11], [1, 14]]
+    assert height == 16
 
 
 def test_thumbnails_shrink_and_never_grow():

@@ -31,11 +31,12 @@ from .puzzle_judging import PuzzleJudging
 from .puzzle_looking import Looking
 from .puzzle_overlay import overlay_of, tip_text
 from .puzzle_panel import JoinPanel
+from .puzzle_partners import next_best
 from .puzzle_solving import Solving, moved_pieces
 from .puzzle_state import PuzzleState
 
 PANEL_WIDTH = 340
-_MARKS = {"solution", "selected", "piece", "below", "overlay", "wishes", "verdicts", "items", "dark", "puzzle", "marks"}
+_MARKS = {"solution", "prepared", "selected", "piece", "below", "overlay", "wishes", "verdicts", "items", "dark", "puzzle", "marks"}
 EMPTY = "Drop a folder with the images of the pieces here, or a picture to be cut into pieces"
 
 
@@ -107,7 +108,7 @@ class PuzzlePage(QWidget):
         self.view.group_of = self._group
         self.view.tip_of = lambda row: tip_text(self.session.state, row)
         self.view.join_clicked.connect(self._join_clicked)
-        self.view.piece_clicked.connect(lambda piece: update(piece=piece, selected=None, preview=None))
+        self.view.piece_clicked.connect(self._piece_clicked)
         self.view.background_clicked.connect(lambda: update(piece=-1, selected=None, preview=None))
         self.view.carried.connect(lambda piece, x, y: self.hands.carry(self.view.layout_shown, piece, x, y))
         self.view.grown.connect(self._grown)
@@ -141,6 +142,13 @@ class PuzzlePage(QWidget):
         joins = self.session.state.solution.joins
         self.session.update(selected=join_key(joins.sides[row]), preview=None, piece=-1)
         self.panel.setCurrentIndex(0)
+
+    def _piece_clicked(self, piece: int) -> None:
+        """Choose a piece; of one in the tray, look at its best partner, of its next side if it is clicked again."""
+        state = self.session.state
+        placed = state.solution is not None and bool(state.solution.placed[piece])
+        best = None if placed or not state.asked else next_best(state, piece)
+        self.session.update(piece=piece, selected=None, preview=best)
 
     def step_join(self, by: int) -> None:
         """Go to the next most doubtful join, or back, and look at it."""

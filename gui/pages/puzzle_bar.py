@@ -5,6 +5,7 @@ from PySide6.QtGui import QColor, QLinearGradient, QPainter, QPaintEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSlider, QWidget
 
 from ..palette import LIGHT, Theme
+from ..views.puzzle_painting import painting
 from ..views.puzzle_scene import BINS, bin_colours
 from .arrange import share_text
 from .puzzle_state import PuzzleState
@@ -23,12 +24,11 @@ class Legend(QWidget):
         gradient = QLinearGradient(0, 0, self.width(), 0)
         for k, colour in enumerate(bin_colours(self.theme).tolist()):
             gradient.setColorAt(k / (BINS - 1), QColor(*colour))
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(gradient)
-        painter.drawRoundedRect(QRectF(self.rect()), 4, 4)
-        painter.end()
+        with painting(self) as painter:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(gradient)
+            painter.drawRoundedRect(QRectF(self.rect()), 4, 4)
 
 
 class PuzzleBar(QWidget):

@@ -8,13 +8,14 @@ from engine.puzzles.solution import Joins
 from ..palette import theme
 from ..session import Session
 from ..views.join_closeup import Partner, PartnerStrip, pair_of
-from ..views.puzzle_scene import Key, bin_colours, bins, join_key, join_keys
+from ..views.puzzle_scene import bin_colours, bins, join_key, join_keys
 from .arrange import share_text
 from .puzzle_contacts import alike, turned_round
 from .puzzle_edits import one, together
 from .puzzle_judging import shown_join
 from .puzzle_overlay import join_text, side_text, why_text
 from .puzzle_panel import Asked, JoinPanel, Shown
+from .puzzle_partners import partners_of_side
 from .puzzle_state import PuzzleState, by_worst, wishes_counts
 
 _SHOWN = {"selected", "preview", "solution", "piece", "wishes", "dark", "below", "puzzle", "prepared"}
@@ -64,24 +65,20 @@ class Looking(QObject):
         facts = f"{join_text(state.puzzle, turns, joins, row)}\n{why_text(joins, row, locked)}"
         pair = pair_of(state.puzzle, joins, row, int(turns[joins.sides[row, 0]]))
         heading = "Tried out, not in the picture" if state.preview is not None else _rank(state)
-        partners, words = self._partners(state, key, joins, row)
+        partners, words = self._partners(state, joins, row)
         return Shown(heading, facts, pair, partners, words, locked, state.preview is not None)
 
-    def _partners(self, state: PuzzleState, key: Key, joins: Joins, row: int) -> tuple[tuple[Partner, ...], str]:
+    def _partners(self, state: PuzzleState, joins: Joins, row: int) -> tuple[tuple[Partner, ...], str]:
         """The likeliest partners of one side of the selected join, and the one that it has."""
-        chosen = state.selected or key
+        chosen = state.selected or tuple(joins.sides[row].tolist())
         piece, side = chosen[2:] if self.from_b else chosen[:2]
-        self._candidates = None
-        if state.prepared is None or not state.asked:
-            return (), ""
-        from engine.puzzles.solving import candidate_joins
-
-        found = candidate_joins(state.prepared, piece, side)
-        if not len(found):
+        self._candidates = found = partners_of_side(state, piece, side)
+        if found is None:
             return (), ""
         count = min(len(found), PartnerStrip.MOST)
         here = [k for k in range(len(found)) if alike(state.puzzle, joins, row, found, k)]
-        if not here or here[0] >= count:  # the solver did not list it, but the picture has it
+        listed = bool(here) and here[0] < count
+        if state.preview is None and not listed:  # the solver has others in mind, but the picture has this one
             own = one(joins, row)
             found = together(own if own.sides[0, 0] == piece else turned_round(state.puzzle, joins, row), found)
             count, here = min(len(found), PartnerStrip.MOST), [0]
@@ -90,7 +87,7 @@ class Looking(QObject):
         turns = state.solution.turns
         partners = tuple(
             Partner(pair_of(state.puzzle, found, k, int(turns[found.sides[k, 0]])), share_text(float(found.confidence[k])),
-                    "#" + bytes(colours[k]).hex(), k == here[0], partner_tip(state.puzzle, found, k, turns))
+                    "#" + bytes(colours[k]).hex(), here[:1] == [k], partner_tip(state.puzzle, found, k, turns))
             for k in range(count)
         )  # fmt: skip
         return partners, f"Partners of {side_text(state.puzzle, turns, piece, side)}"
@@ -128,7 +125,7 @@ def _advice(state: PuzzleState) -> str:
         return "Press Solve, or drag pieces out of the tray: they snap to each other."
     if state.piece >= 0 and not state.solution.placed[state.piece]:
         why = state.solution.why_unplaced.get(state.piece, "")
-        return f"In the tray{': ' + why if why else ''}. Drag it to where it belongs."
+        return f"In the tray{': ' + why if why else ''}. Drag it to where it belongs; click it again for its other sides."
     if state.piece >= 0:
         return "Lock holds it where it stands; Reject takes it out; dragging moves it."
     return "N goes to the most doubtful join. Reject what is wrong, and the rest is arranged anew around it."

@@ -9,18 +9,20 @@ from engine.puzzles.solution import Joins
 
 from ..views.puzzle_layout import Layout
 from ..views.puzzle_painting import Overlay
-from ..views.puzzle_scene import bins, join_keys, seams, shown_joins
+from ..views.puzzle_scene import bins, edges, join_keys, seams, shown_joins
 from .arrange import share_text
 from .puzzle_edits import rows_of
 from .puzzle_judging import judged_rows
+from .puzzle_partners import side_confidence
 from .puzzle_state import PuzzleState, scores_text
 
 
 def overlay_of(state: PuzzleState, layout: Layout) -> Overlay:
     """The joins and marks of a state over its layout."""
     pinned = tuple(p.piece for p in state.wishes.pinned if layout.placed[p.piece])
+    sides = side_marks(state, layout)
     if state.solution is None or not len(state.solution.joins):
-        return Overlay(piece=state.piece, pinned=pinned)
+        return Overlay(piece=state.piece, pinned=pinned, **sides)
     joins, row = state.solution.joins, state.row
     locked = rows_of(joins, join_keys(state.wishes.locked))
     always = locked.copy()
@@ -31,10 +33,19 @@ def overlay_of(state: PuzzleState, layout: Layout) -> Overlay:
     return Overlay(
         seams(layout, joins), bins(joins.confidence), shown_joins(joins, state.below, state.piece, always),
         judged_rows(state.items, state.verdicts), locked, row, state.piece, pinned,
-        none if marks is None else np.flatnonzero(~marks.places & layout.placed),
-        none if marks is None else np.flatnonzero(~marks.joins),
-        "" if marks is None else "Beside the truth:  " + scores_text(marks.scores),
+        wrong_pieces=none if marks is None else np.flatnonzero(~marks.places & layout.placed),
+        wrong_joins=none if marks is None else np.flatnonzero(~marks.joins),
+        caption="" if marks is None else "Beside the truth:  " + scores_text(marks.scores), **sides,
     )  # fmt: skip
+
+
+def side_marks(state: PuzzleState, layout: Layout) -> dict[str, np.ndarray]:
+    """The sides of a chosen piece in the tray, in the colours of how sure their best partners are."""
+    if state.piece < 0 or layout.placed[state.piece] or state.prepared is None:
+        return {}
+    sure = side_confidence(state, state.piece)
+    rows = np.arange(len(sure))
+    return {"sides": edges(layout, layout.corners(), np.full(len(rows), state.piece), rows), "side_bins": bins(sure)}
 
 
 def side_text(puzzle: Puzzle, turns: Sequence[int], piece: int, side: int) -> str:

@@ -14,6 +14,7 @@ from engine.puzzles.solution import Joins
 from engine.puzzles.turning import turned_polygon
 
 from ..palette import LIGHT, Theme
+from .puzzle_painting import painting
 from .puzzle_scene import meetings
 from .puzzle_sheet import rasters
 
@@ -151,18 +152,17 @@ class JoinCloseup(QWidget):
         self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        painter = QPainter(self)
-        box = QRectF(self.rect())
-        if self.pair is None:
-            painter.fillRect(box, QColor(self.theme.panel))
-            painter.setPen(QColor(self.theme.soft_ink))
-            flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-            painter.drawText(box.adjusted(24, 8, -24, -8), flags, "Click a join to see both borders pixel by pixel.")
-        else:
-            paint_pair(painter, box, self.pair, self.theme, self.slide)
-        painter.setPen(QPen(QColor(self.theme.line), 1))
-        painter.drawRect(box.adjusted(0.5, 0.5, -0.5, -0.5))
-        painter.end()
+        with painting(self) as painter:
+            box = QRectF(self.rect())
+            if self.pair is None:
+                painter.fillRect(box, QColor(self.theme.panel))
+                painter.setPen(QColor(self.theme.soft_ink))
+                flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+                painter.drawText(box.adjusted(24, 8, -24, -8), flags, "Click a join to see both borders pixel by pixel.")
+            else:
+                paint_pair(painter, box, self.pair, self.theme, self.slide)
+            painter.setPen(QPen(QColor(self.theme.line), 1))
+            painter.drawRect(box.adjusted(0.5, 0.5, -0.5, -0.5))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         self._last = event.position()
@@ -227,25 +227,24 @@ class PartnerStrip(QWidget):
         return QRectF(k * (self.SIZE + self.GAP), 0, self.SIZE, self.SIZE)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        painter = QPainter(self)
-        font = QFont(self.font())
-        font.setPixelSize(12)
-        painter.setFont(font)
-        for k, partner in enumerate(self.partners):
-            box = self._box(k)
-            pair = stretched(partner.pair) if self.stretches else partner.pair
-            paint_pair(painter, box, pair, self.theme, ticks=False)
-            strong = partner.current
-            painter.setPen(QPen(QColor(self.theme.accent if strong else self.theme.line), 3 if strong else 1))
-            painter.setBrush(Qt.BrushStyle.NoBrush)
-            painter.drawRect(box.adjusted(1, 1, -1, -1))
-            painter.setPen(QPen(QColor(partner.colour), 4))
-            middle = box.bottom() + self.TEXT / 2
-            painter.drawLine(QPointF(box.left() + 4, middle), QPointF(box.left() + 18, middle))
-            painter.setPen(QColor(self.theme.ink if strong else self.theme.soft_ink))
-            words = QRectF(box.left() + 26, box.bottom(), box.width() - 26, self.TEXT)
-            painter.drawText(words, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, partner.confidence)
-        painter.end()
+        with painting(self) as painter:
+            font = QFont(self.font())
+            font.setPixelSize(12)
+            painter.setFont(font)
+            for k, partner in enumerate(self.partners):
+                box = self._box(k)
+                pair = stretched(partner.pair) if self.stretches else partner.pair
+                paint_pair(painter, box, pair, self.theme, ticks=False)
+                strong = partner.current
+                painter.setPen(QPen(QColor(self.theme.accent if strong else self.theme.line), 3 if strong else 1))
+                painter.setBrush(Qt.BrushStyle.NoBrush)
+                painter.drawRect(box.adjusted(1, 1, -1, -1))
+                painter.setPen(QPen(QColor(partner.colour), 4))
+                middle = box.bottom() + self.TEXT / 2
+                painter.drawLine(QPointF(box.left() + 4, middle), QPointF(box.left() + 18, middle))
+                painter.setPen(QColor(self.theme.ink if strong else self.theme.soft_ink))
+                words = QRectF(box.left() + 26, box.bottom(), box.width() - 26, self.TEXT)
+                painter.drawText(words, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, partner.confidence)
 
     def _at(self, event: QMouseEvent) -> int:
         return next((k for k in range(len(self.partners)) if self._box(k).contains(event.position())), -1)

@@ -13,7 +13,6 @@ from PySide6.QtGui import (
     QDropEvent,
     QImage,
     QMouseEvent,
-    QPainter,
     QPaintEvent,
     QResizeEvent,
     QWheelEvent,
@@ -33,6 +32,7 @@ from .puzzle_painting import (
     paint_ground,
     paint_marks,
     paint_outlines,
+    painting,
 )
 from .puzzle_scene import View, fitted, hit_join, hit_piece, kept
 from .puzzle_sheet import Sheet, compose
@@ -205,26 +205,25 @@ class PuzzleCanvas(QWidget):
         return self._frame
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor(self.theme.paper))
-        layout = self.layout_shown
-        if layout is None:
-            paint_message(painter, QRectF(self.rect()), self._invitation[0], self.theme, self._drop_wanted)
-        else:
-            paint_ground(painter, layout, self.view, self.theme)
-            frame = self.render_frame()
-            if frame is not None:
-                painter.drawImage(QPointF(0, 0), frame)
-            if self._carried is not None:
-                paint_carried(painter, layout, self._carried, self.view, self.theme)
+        with painting(self) as painter:
+            painter.fillRect(self.rect(), QColor(self.theme.paper))
+            layout = self.layout_shown
+            if layout is None:
+                paint_message(painter, QRectF(self.rect()), self._invitation[0], self.theme, self._drop_wanted)
             else:
-                extent = Extent(self.width(), self.height(), self.devicePixelRatioF())
-                paint_marks(painter, layout, self.overlay, self.view, self.theme, extent)
-                if self._flashed:
-                    paint_outlines(painter, layout, self._flashed, self.view, self.theme)
-            if self.overlay.caption:
-                paint_caption(painter, self.overlay.caption, self.height(), self.theme)
-        painter.end()
+                paint_ground(painter, layout, self.view, self.theme)
+                frame = self.render_frame()
+                if frame is not None:
+                    painter.drawImage(QPointF(0, 0), frame)
+                if self._carried is not None:
+                    paint_carried(painter, layout, self._carried, self.view, self.theme)
+                else:
+                    extent = Extent(self.width(), self.height(), self.devicePixelRatioF())
+                    paint_marks(painter, layout, self.overlay, self.view, self.theme, extent)
+                    if self._flashed:
+                        paint_outlines(painter, layout, self._flashed, self.view, self.theme)
+                if self.overlay.caption:
+                    paint_caption(painter, self.overlay.caption, self.height(), self.theme)
 
     # --- hands
 

@@ -1,11 +1,14 @@
 """What lies over the pieces: joins by confidence, judgements, padlocks, outlines, the tray and its name."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QFont, QImage, QPainter, QPen, QPolygonF
+from PySide6.QtWidgets import QWidget
 
 from ..palette import Theme
 from .puzzle_layout import Box, Layout, outlines
@@ -14,6 +17,16 @@ from .puzzle_sheet import rasters
 from .puzzle_snap import Carried
 
 _SYMBOL = 8.0
+
+
+@contextmanager
+def painting(widget: QWidget) -> Iterator[QPainter]:
+    """A painter that ends whatever happens; one that does not takes the program with it."""
+    painter = QPainter(widget)
+    try:
+        yield painter
+    finally:
+        painter.end()
 
 
 def no_rows() -> np.ndarray:
@@ -27,7 +40,8 @@ class Overlay:
 
     `seams` (j, 2, 2) are the joins on the canvas, `bins` (j,) their colours, `shown` (j,) bool which are drawn; `judged`
     says 'correct', 'wrong' or 'tie' by row, `locked` (j,) bool which a person holds. `selected` is a row, `piece` a
-    piece, -1 for none; `pinned` pieces stay put. `wrong_pieces` and `wrong_joins` are rows marked as errors where the
+    piece, -1 for none, whose `sides` (k, 2, 2) are drawn in the colours `side_bins` (k,) of their best partners; `pinned`
+    pieces stay put. `wrong_pieces` and `wrong_joins` are rows marked as errors where the
     truth is known and wanted.
     """
 
@@ -41,6 +55,8 @@ class Overlay:
     pinned: tuple[int, ...] = ()
     wrong_pieces: np.ndarray = field(default_factory=no_rows)
     wrong_joins: np.ndarray = field(default_factory=no_rows)
+    sides: np.ndarray = field(default_factory=lambda: np.zeros((0, 2, 2)))
+    side_bins: np.ndarray = field(default_factory=no_rows)
     caption: str = ""
 
 
@@ -59,20 +75,18 @@ def draw_joins(picture: np.ndarray, overlay: Overlay, view: View, ratio: float, 
     h, w = picture.shape[:2]
     plain = overlay.shown.copy()
     plain[list(overlay.judged)] = False  # those have the colour of their verdict
-    rows = np.flatnonzero(plain)
-    if not len(rows):
-        return
-    segments = view.to_screen(overlay.seams[rows]) * ratio
+    bins = np.concatenate([overlay.bins[plain], overlay.side_bins])
+    segments = view.to_screen(np.concatenate([overlay.seams[plain], overlay.sides])) * ratio
     seen = in_view(segments, w, h)
-    rows, segments = rows[seen], segments[seen]
-    if not len(rows):
+    bins, segments = bins[seen], segments[seen]
+    if not len(bins):
         return
     side = float(np.median(np.hypot(*(segments[:, 1] - segments[:, 0]).T))) / ratio
     thick = np.maximum(1, np.round(widths(side) * ratio)).astype(int)
     points = np.round(segments * 16).astype(np.int32)
     colours = bin_colours(theme)
     for k in range(BINS - 1, -1, -1):
-        lines = list(points[overlay.bins[rows] == k])
+        lines = list(points[bins == k])
         if not lines:
             continue
         red, green, blue = (int(c) for c in colours[k])
@@ -114,7 +128,7 @@ def paint_marks(painter: QPainter, layout: Layout, overlay: Overlay, view: View,
     painter.setBrush(Qt.BrushStyle.NoBrush)
     if len(overlay.wrong_pieces):
         _paint_wrong(painter, layout, overlay, view, theme, extent)
-    if overlay.piece >= 0:
+    if overlay.piece >= 0 and not len(overlay.sides):
         outline(painter, view.to_screen(layout.polygon(overlay.piece)), theme)
     segments = view.to_screen(overlay.seams)
     if 0 <= overlay.selected < len(segments):

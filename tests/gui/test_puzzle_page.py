@@ -17,6 +17,7 @@ from engine.errors import BadInput
 from engine.puzzles import solving
 from engine.puzzles.imagefile import png_bytes, read_image
 from engine.puzzles.solution import Pin
+from engine.puzzles.solving import candidate_joins
 from gui import folders
 from gui.main_window import MainWindow
 from gui.pages.puzzle_edits import NO_WISHES
@@ -24,7 +25,7 @@ from gui.pages.puzzle_files import CutDialog
 from gui.pages.puzzle_hands import pin_of
 from gui.pages.puzzle_solving import Cut, check_droppable
 from gui.pages.puzzle_state import frame_known, opened
-from gui.views.puzzle_scene import join_key, join_keys, seams
+from gui.views.puzzle_scene import bins, join_key, join_keys, seams
 
 
 @pytest.fixture
@@ -308,6 +309,26 @@ def test_a_locked_join_is_held_marked_and_let_go_again(ready, qtbot):
     assert key in join_keys(state(ready).solution.joins)
     press(ready, qtbot, Qt.Key.Key_L)
     assert not state(ready).wishes
+
+
+def test_a_piece_in_the_tray_shows_its_sides_by_confidence_and_its_best_partner(ready, qtbot):
+    ready.puzzle.hands.put_back(5)
+    settle(ready, qtbot)
+    assert not state(ready).solution.placed[5]
+    page = ready.puzzle.page
+    page.view.piece_clicked.emit(5)
+    assert state(ready).preview.sides[0, 0] == 5
+    first = int(state(ready).preview.sides[0, 1])
+    assert "Tried out" in page.join.heading.text()
+    assert len(page.view.overlay.sides) == 4
+    sure = [candidate_joins(state(ready).prepared, 5, side).confidence[0] for side in range(4)]
+    assert first == int(np.argmax(sure))
+    assert page.view.overlay.side_bins.tolist() == bins(np.array(sure)).tolist()
+    page.view.piece_clicked.emit(5)  # its next side
+    assert int(state(ready).preview.sides[0, 1]) == int(np.argsort(sure)[::-1][1])
+    page.view.piece_clicked.emit(4)
+    assert state(ready).preview is None
+    assert not len(page.view.overlay.sides)
 
 
 def test_each_wish_can_be_taken_back_by_itself(ready, qtbot):

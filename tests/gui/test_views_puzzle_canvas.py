@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QWheelEvent
 from engine.puzzles.pieces import Puzzle
 from engine.puzzles.solution import Joins
 from gui.palette import DARK, LIGHT
-from gui.views import puzzle_sheet
+from gui.views import puzzle_canvas, puzzle_sheet
 from gui.views.join_closeup import JoinCloseup, Partner, PartnerStrip, pair_of, stretched, window_on
 from gui.views.puzzle_canvas import PuzzleCanvas
 from gui.views.puzzle_layout import arrange
@@ -158,6 +158,18 @@ def test_the_canvas_follows_the_theme_and_marks_what_is_wrong(canvas, world):
     after = colour(canvas, *at)
     assert before == (0, 200, 0)
     assert after[0] > 30
+
+
+def test_an_error_while_painting_leaves_the_program_alive(canvas, qtbot, monkeypatch):
+    def break_(*_):
+        raise ValueError("no paint")
+
+    with qtbot.capture_exceptions() as caught:
+        monkeypatch.setattr(puzzle_canvas, "paint_ground", break_)
+        canvas.grab()
+    assert str(caught[0][1]) == "no paint"
+    monkeypatch.undo()
+    assert colour(canvas, *on_screen(canvas, 2, 2)) == (200, 0, 0)
 
 
 # --- hands

@@ -17,7 +17,7 @@ from numpy.typing import DTypeLike
 from ..arrays import frozen_array
 from ..errors import BadInput
 from ..progress import Progress, silent
-from .semidefinite import Follower, nearest_semidefinite, threads_for
+from .semidefinite import Follower, nearest_semidefinite, one_thread
 
 Projection = Callable[[np.ndarray], tuple[np.ndarray, int]]
 RELAXATION = 1.6  # of the alternating directions: 1 is none
@@ -85,7 +85,7 @@ def matchlift(
         free &= ~(impossible | impossible.T)
     free, fixed, shift = _lifted(similarity, free, universe, sparsity, penalty, dtype)
     project = Follower() if follow else nearest_semidefinite
-    with threads_for(len(fixed)):
+    with one_thread():
         y, steps, rank, primal, dual = _alternate(
             free, fixed, shift, len(fixed) - len(similarity), project, tolerance, max_steps, progress
         )

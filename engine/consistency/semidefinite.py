@@ -5,7 +5,7 @@ span nearly those of the next. A block of them is filtered by a Chebyshev polyno
 the spectrum, made orthonormal, and diagonalised within itself (Zhou, Saad, Tiago & Chelikowsky 2006).
 """
 
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -14,14 +14,13 @@ import numpy as np
 
 DENSE_BELOW = 600  # orders at which a full decomposition is the faster way
 LARGEST_SHARE = 0.55  # of the order: blocks beyond it cost as much as a full decomposition
-THREADS_FROM = 1000  # orders from which decompositions gain by more than one thread
 _FRESH = 4  # random vectors in every block: they find directions that the last block did not hold
 _LANCZOS = 8  # steps that bound the spectrum from below
 
 
-def threads_for(order: int) -> AbstractContextManager[Any]:
-    """Keeps small decompositions on one thread: on a busy machine two wait for each other a hundred times longer."""
-    return nullcontext() if order >= THREADS_FROM else _controller().limit(limits=1, user_api="blas")
+def one_thread() -> AbstractContextManager[Any]:
+    """Keeps decompositions on one thread: on a busy machine several wait for each other a hundred times longer."""
+    return _controller().limit(limits=1, user_api="blas")
 
 
 @lru_cache(maxsize=1)

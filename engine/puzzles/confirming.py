@@ -66,17 +66,17 @@ def confirmed_joins(
         return confirm_matchlift(
             candidates.pairs, halves, count=n, t_1=p.lift_threshold, t_2=p.lift_accept, sparsity=p.lift_sparsity,
             penalty=p.lift_penalty, tolerance=p.lift_tolerance, max_steps=p.lift_steps, at_once=p.lift_whole,
-            universe=universe_of(n, _grid(puzzle, parameters)), turned=puzzle.turned, progress=progress)  # fmt: skip
+            universe=_universe(puzzle, parameters), turned=puzzle.turned, progress=progress)  # fmt: skip
     raise BadParameter(f"The method '{method}' does not confirm joins; choose matchlift or diffusion.")
 
 
-def _grid(puzzle: Puzzle, parameters: PuzzleParameters) -> tuple[int, int] | None:
-    """(columns, rows) of the picture where they are known, and all of it is there."""
+def _universe(puzzle: Puzzle, parameters: PuzzleParameters) -> int | None:
+    """The points of the grid where the size of the picture is known, and all of it is there."""
     px = puzzle.square
     if puzzle.frame is None or px is None or parameters.frame == "unknown" or puzzle.pictures > 1:
         return None
-    grid = puzzle.frame[0] // px, puzzle.frame[1] // px
-    return grid if grid[0] * grid[1] == puzzle.count else None
+    columns, rows = puzzle.frame[0] // px, puzzle.frame[1] // px
+    return universe_of(columns, rows) if columns * rows == puzzle.count else None
 
 
 def confirm_matchlift(
@@ -105,7 +105,7 @@ def confirm_matchlift(
     dissimilarity
         (c, 2) of their halves (`half_dissimilarity`), or (c,) of the whole sides.
     count, universe
-        n pieces, and the points of the grid where the frame is known (`universe_of`).
+        n pieces, and the points of the grid where the frame is known (`universe_of`), else None: no bound.
     t_1, t_2
         The least similarity that is an input (Eq 4.5), and the least lifted match of **both** halves that confirms.
     at_once
@@ -125,7 +125,7 @@ def confirm_matchlift(
     how: dict[str, Any] = {"sparsity": sparsity, "penalty": penalty, "tolerance": tolerance, "max_steps": max_steps}
     if count <= at_once:
         found = matchlift(
-            corner_matrix(rows, similarity, count, t_1=t_1), unlike[0], universe=universe or universe_of(count),
+            corner_matrix(rows, similarity, count, t_1=t_1), unlike[0], universe=universe,
             impossible=None if turned else unlike[1][:, None] == unlike[1], progress=progress, **how)  # fmt: skip
         lifted = join_confidence(rows, found.matches)
     else:

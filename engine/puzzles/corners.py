@@ -16,11 +16,9 @@ def meeting_corners(rows: np.ndarray) -> np.ndarray:
     return 4 * (side // 4) + (side + second) % 4
 
 
-def universe_of(count: int, frame: tuple[int, int] | None = None) -> int:
-    """m: the points of the grid of `count` pieces; `frame` = (columns, rows) where it is known, else a square's."""
-    if frame is not None:
-        return (frame[0] + 1) * (frame[1] + 1)
-    return int(np.ceil(count + 2 * np.sqrt(count) + 1))
+def universe_of(columns: int, rows: int) -> int:
+    """m: the points of the grid of a picture that is so many pieces wide and high."""
+    return (columns + 1) * (rows + 1)
 
 
 def corner_similarity(rows: np.ndarray, halves: np.ndarray) -> np.ndarray:

@@ -140,7 +140,7 @@ def _lifted(
         progress(k / len(t_1), f"{name}, {grid * grid} pieces")
         start = time.perf_counter()
         confidence = confirm_matchlift(
-            ratios.pairs, halves, count=grid * grid, universe=universe_of(grid * grid, puzzle.grid), t_1=threshold, t_2=0.5,
+            ratios.pairs, halves, count=grid * grid, universe=universe_of(*puzzle.grid), t_1=threshold, t_2=0.5,
             sparsity=p.lift_sparsity, penalty=p.lift_penalty, tolerance=p.lift_tolerance, max_steps=p.lift_steps,
             at_once=p.lift_whole, progress=share(progress, k / len(t_1), (k + 1) / len(t_1))).confidence  # fmt: skip
         lifting += time.perf_counter() - start

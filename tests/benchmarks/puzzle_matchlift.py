@@ -58,7 +58,7 @@ def corners(columns: int, rows_: int, *, dense: bool) -> None:
     rows = all_rows(n)
     right = truly(rows, truth.position // 28)
     halves = half_dissimilarity("mgc-root", strips, rows)
-    universe, kind = universe_of(n, (columns, rows_)), unlike_corners(n, turned=False)[1]
+    universe, kind = universe_of(columns, rows_), unlike_corners(n, turned=False)[1]
     matrix = corner_matrix(rows, corner_similarity(rows, halves), n, t_1=0.6)
 
     def lift(follow: bool) -> np.ndarray:

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from engine.consistency.matchlift import estimate_universe, matchlift
-from engine.consistency.semidefinite import Follower, lower_bound, nearest_semidefinite, threads_for
+from engine.consistency.semidefinite import Follower, lower_bound, nearest_semidefinite, one_thread
 from engine.errors import BadInput, Cancelled
 
 
 @pytest.fixture(autouse=True)
-def one_thread():
+def on_one_thread():
     """Decompositions of these sizes wait for each other on a busy machine."""
-    with threads_for(1):
+    with one_thread():
         yield
 
 

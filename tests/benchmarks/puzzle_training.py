@@ -35,6 +35,8 @@ from engine.puzzles.measures import CODES, Strips, dissimilarity_of_pairs, side_
 from engine.puzzles.scoring import true_partners
 from engine.puzzles.wearing import WEAR, worn
 
+LARGEST_FIT = 3_000_000 if "--quick" not in sys.argv else 800_000  # wrong candidates of a fit; of more, a part with more weight
+
 
 class Sample(NamedTuple):
     """One puzzle of the training: its candidates, their features and which are right."""
@@ -108,13 +110,16 @@ def recipes(data: Path, kind: str) -> list[tuple[bool, tuple]]:
 def fitted(inputs: np.ndarray, right: np.ndarray) -> dict:
     from sklearn.neural_network import MLPClassifier
 
+    kept = right | (np.random.default_rng(0).random(len(right)) < min(1.0, LARGEST_FIT / len(right)))
+    weight = np.where(right, 1.0, len(right) / min(LARGEST_FIT, len(right)))[kept]
+    inputs, right = inputs[kept], right[kept]
     mean, scale = inputs.mean(axis=0), inputs.std(axis=0) + 1e-6
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         model = MLPClassifier(
             (24, 12), max_iter=12, batch_size=1024, learning_rate_init=2e-3, alpha=1e-3, random_state=0
         )
-        model.fit((inputs - mean) / scale, right)
+        model.fit((inputs - mean) / scale, right, sample_weight=weight)
     layers = [{"weights": w.astype(np.float32), "bias": b.astype(np.float32)}
               for w, b in zip(model.coefs_, model.intercepts_, strict=True)]  # fmt: skip
     return {"mean": mean, "scale": scale, "layers": layers}
@@ -184,6 +189,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--kinds", nargs="+", default=["clean", "worn"])
     parser.add_argument("--write", action="store_true")
+    parser.add_argument("--quick", action="store_true", help="fit on fewer wrong candidates, with more weight")
     parser.add_argument("--no-judging", action="store_true", help="do not make the first fit")
     options = parser.parse_args()
     content = json.loads(FILE.read_text()) if FILE.exists() else {}

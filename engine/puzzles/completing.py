@@ -62,6 +62,7 @@ def complete(
     rules = Rules(rules.frame, rules.either_way, rules.forbidden, rules.anchored, apart=mains)
     if rules.frame is not None:
         blocks = merge_by_contacts(blocks, candidates, e, rules, least=-60.0, hopeful=-4.0)
+        mains = blocks.block[mains]  # a larger block may have given them its name
     blocks = _as_pinned(blocks, pin)
     canvases = [_canvas(blocks, name, rules) for name in mains]
     pinned = -1 if pin is None else int(np.flatnonzero(mains == blocks.block[pin[0]])[0])

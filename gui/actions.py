@@ -97,6 +97,16 @@ TABLE = (
 )
 
 
+MOUSE = {
+    "shapes": (("Drag", "turn a shape"), ("Shift or right drag", "move it"), ("Wheel, two fingers", "zoom"),
+               ("Double click", "usual view"), ("Click", "select a match or a segment's smallest match")),
+    "puzzle": (("Drag a piece", "put it elsewhere; it snaps to its neighbours and stays"),
+               ("Drag the ground, or with the right button", "move the view"), ("Wheel", "zoom"),
+               ("Click between two pieces", "see their join from close by"),
+               ("Click a piece in the tray", "see its best partner, once more for its next side")),
+}  # fmt: skip
+
+
 def make_actions(window: "MainWindow") -> dict[str, QAction]:
     """One QAction for each row, with its keys valid in the whole window."""
     made: dict[str, QAction] = {}
@@ -158,19 +168,17 @@ def submenu(menu: QMenu, text: str, before: QAction) -> QMenu:
     return made
 
 
-def keys_table() -> str:
-    """All keys as an HTML table, by menu."""
+def keys_table(page: str = "") -> str:
+    """The keys of a page, or all of them, as an HTML table, by menu."""
     rows = []
     for menu in MENUS:
-        rows.append(f"<tr><td colspan=2 style='padding-top:8px'><b>{menu.replace('&', '')}</b></td></tr>")
-        for row in TABLE:
-            if row.menu == menu and row.keys:
-                text = row.text.replace("&", "").rstrip("…")
-                rows.append(f"<tr><td style='padding-right:24px'>{text}</td><td>{' or '.join(row.keys)}</td></tr>")
-    mouse = (("Drag", "turn a shape"), ("Shift or right drag", "move it"), ("Wheel, two fingers", "zoom"),
-             ("Double click", "usual view"), ("Click", "select a match or a segment's smallest match"),
-             ("Drag a piece of a puzzle", "put it elsewhere; it snaps to its neighbours and stays"),
-             ("Click between two pieces", "see their join from close by"))  # fmt: skip
+        here = [row for row in TABLE if row.menu == menu and row.keys and (not page or not row.pages or page in row.pages)]
+        if here:
+            rows.append(f"<tr><td colspan=2 style='padding-top:8px'><b>{menu.replace('&', '')}</b></td></tr>")
+        for row in here:
+            text = row.text.replace("&", "").rstrip("…")
+            rows.append(f"<tr><td style='padding-right:24px'>{text}</td><td>{' or '.join(row.keys)}</td></tr>")
+    mouse = MOUSE["puzzle" if page == "puzzle" else "shapes"] if page else MOUSE["shapes"] + MOUSE["puzzle"]
     rows.append("<tr><td colspan=2 style='padding-top:8px'><b>Mouse</b></td></tr>")
     rows += [f"<tr><td style='padding-right:24px'>{what[0].upper()}{what[1:]}</td><td>{how}</td></tr>" for how, what in mouse]
     return "<table>" + "".join(rows) + "</table>"

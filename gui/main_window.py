@@ -280,7 +280,7 @@ class MainWindow(QMainWindow):
 
     def show_keys(self) -> None:
         """All keys, and the guideline of the study where it has one."""
-        show_keys(self, actions.keys_table(), self.study.guideline() if self.page == "study" else "")
+        show_keys(self, actions.keys_table(self.page), self.study.guideline() if self.page == "study" else "")
 
     def show_about(self) -> None:
         """What this is."""

@@ -36,7 +36,8 @@ from .puzzle_solving import Solving, moved_pieces
 from .puzzle_state import PuzzleState
 
 PANEL_WIDTH = 340
-_MARKS = {"solution", "prepared", "selected", "piece", "below", "overlay", "wishes", "verdicts", "items", "dark", "puzzle", "marks"}
+_MARKS = {"puzzle", "prepared", "solution", "marks", "items", "wishes", "selected", "preview", "piece", "below", "overlay",
+          "verdicts", "dark"}  # fmt: skip
 EMPTY = "Drop a folder with the images of the pieces here, or a picture to be cut into pieces"
 
 

@@ -5,6 +5,7 @@ import numpy as np
 from engine.puzzles.identity import size_of, turned_offset
 from engine.puzzles.pieces import Puzzle
 from engine.puzzles.solution import Joins, PuzzleSolution
+from engine.puzzles.turning import turned_polygon
 
 from ..views.puzzle_layout import outlines, turned_corners
 
@@ -38,6 +39,16 @@ def turned_round(puzzle: Puzzle, joins: Joins, row: int) -> Joins:
         at, one, two = turned_offset(at, one, two), one[::-1], two[::-1]
     return Joins(np.array([[b, side_b, a, side_a]]), np.array([at]), np.array([-turn % 4]), joins.confidence[[row]],
                  (joins.confirmed_by[row],))  # fmt: skip
+
+
+def beside(puzzle: Puzzle, joins: Joins, row: int, turns: int) -> np.ndarray:
+    """The outline (k, 2) of a join's piece b, seen from the top-left pixel of a, which stands after quarter `turns`."""
+    a, _, b, _ = joins.sides[row].tolist()
+    turn, at = int(joins.turn[row]), tuple(joins.offset[row].tolist())
+    one, two = size_of(puzzle.pieces[a], 0), size_of(puzzle.pieces[b], turn)
+    for _ in range(turns % 4):
+        at, one, two = turned_offset(at, one, two), one[::-1], two[::-1]
+    return turned_polygon(puzzle.pieces[b].polygon, size_of(puzzle.pieces[b], 0), (turn + turns) % 4) + np.array(at)
 
 
 def alike(puzzle: Puzzle, first: Joins, row: int, second: Joins, k: int) -> bool:

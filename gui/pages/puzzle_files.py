@@ -3,8 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from PySide6.QtCore import QObject, Qt
-from PySide6.QtGui import QImageReader, QPixmap
+import numpy as np
+from PySide6.QtCore import QObject, Qt, QTimer
+from PySide6.QtGui import QImage, QPixmap
 from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
@@ -34,7 +35,7 @@ PREVIEW = 240
 class CutDialog(QDialog):
     """Asks how a picture is cut."""
 
-    def __init__(self, path: str, how: Cut, parent: QWidget | None = None) -> None:
+    def __init__(self, image: np.ndarray, name: str, how: Cut, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setWindowTitle("Cut a picture into pieces")
         self.kind = QComboBox(self)
@@ -61,21 +62,23 @@ class CutDialog(QDialog):
         column = QVBoxLayout(self)
         column.setContentsMargins(16, 16, 16, 16)
         column.setSpacing(12)
-        column.addWidget(self._preview(path))
+        column.addWidget(self._preview(image))
+        h, w = image.shape[:2]
+        size = QLabel(f"{name}  ·  {w} × {h} pixels", self, alignment=Qt.AlignmentFlag.AlignCenter)
+        size.setObjectName("soft")
+        column.addWidget(size)
         column.addLayout(form)
         column.addWidget(buttons)
 
-    def _preview(self, path: str) -> QLabel:
-        """The picture, small, with its name and size; the engine reads it again with care."""
-        label = QLabel(Path(path).name, self, alignment=Qt.AlignmentFlag.AlignCenter)
-        reader = QImageReader(path)
-        reader.setAutoTransform(True)
-        size = reader.size()
-        if size.isValid() and size.width() * size.height() <= 50_000_000:
-            reader.setScaledSize(size.scaled(PREVIEW, PREVIEW, Qt.AspectRatioMode.KeepAspectRatio))
-            image = reader.read()
-            if not image.isNull():
-                label.setPixmap(QPixmap.fromImage(image))
+    def _preview(self, image: np.ndarray) -> QLabel:
+        """The picture, small."""
+        h, w = image.shape[:2]
+        step = max(1, max(h, w) // (2 * PREVIEW))
+        small = np.ascontiguousarray(image[::step, ::step])
+        shown = QImage(small.data, small.shape[1], small.shape[0], 3 * small.shape[1], QImage.Format.Format_RGB888)
+        label = QLabel(self, alignment=Qt.AlignmentFlag.AlignCenter)
+        label.setPixmap(QPixmap.fromImage(shown).scaled(
+            PREVIEW, PREVIEW, Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode.SmoothTransformation))  # fmt: skip
         return label
 
     def how(self) -> Cut:
@@ -99,12 +102,16 @@ class PuzzleFiles(QObject):
             self.ask_cut(path)
 
     def ask_cut(self, path: str) -> None:
-        """Ask how to cut a picture, and cut it."""
+        """Read a picture, ask how to cut it, and cut it."""
         self._near(str(Path(path).absolute().parent))
-        dialog = CutDialog(path, self._how, self.desk.window)
+        self.desk.open(lambda: self.desk.solving.look_at_picture(
+            path, lambda image: QTimer.singleShot(0, lambda: self._ask(image, path))))  # fmt: skip
+
+    def _ask(self, image: np.ndarray, path: str) -> None:
+        dialog = CutDialog(image, Path(path).name, self._how, self.desk.window)
         if dialog.exec() == QDialog.DialogCode.Accepted:
             self._how = dialog.how()
-            self.desk.open(lambda: self.desk.solving.open_picture(path, self._how))
+            self.desk.solving.open_picture(image, self._how, path)
         dialog.deleteLater()
 
     def open_folder(self) -> None:

@@ -11,6 +11,7 @@ from ..views.puzzle_layout import Layout
 from ..views.puzzle_painting import Overlay
 from ..views.puzzle_scene import bins, edges, join_keys, seams, shown_joins
 from .arrange import share_text
+from .puzzle_contacts import beside, turned_round
 from .puzzle_edits import rows_of
 from .puzzle_judging import judged_rows
 from .puzzle_partners import side_confidence
@@ -20,7 +21,7 @@ from .puzzle_state import PuzzleState, scores_text
 def overlay_of(state: PuzzleState, layout: Layout) -> Overlay:
     """The joins and marks of a state over its layout."""
     pinned = tuple(p.piece for p in state.wishes.pinned if layout.placed[p.piece])
-    sides = side_marks(state, layout)
+    sides = side_marks(state, layout) | {"ghost": ghost(state, layout)}
     if state.solution is None or not len(state.solution.joins):
         return Overlay(piece=state.piece, pinned=pinned, **sides)
     joins, row = state.solution.joins, state.row
@@ -37,6 +38,20 @@ def overlay_of(state: PuzzleState, layout: Layout) -> Overlay:
         wrong_joins=none if marks is None else np.flatnonzero(~marks.joins),
         caption="" if marks is None else "Beside the truth:  " + scores_text(marks.scores), **sides,
     )  # fmt: skip
+
+
+def ghost(state: PuzzleState, layout: Layout) -> np.ndarray:
+    """The outline (k, 2) on the canvas of the piece that a tried join would put beside a placed one; (0, 2) for none."""
+    nothing = np.zeros((0, 2))
+    if state.preview is None:
+        return nothing
+    join = state.preview
+    if not layout.placed[join.sides[0, 0]]:
+        join = turned_round(state.puzzle, join, 0)
+    a = int(join.sides[0, 0])
+    if not layout.placed[a]:
+        return nothing
+    return layout.position[a] + beside(state.puzzle, join, 0, int(layout.turns[a]))
 
 
 def side_marks(state: PuzzleState, layout: Layout) -> dict[str, np.ndarray]:

@@ -35,12 +35,18 @@ class Cut:
     seed: int = 0
 
 
-def cut_picture(path: str, how: Cut) -> tuple[Puzzle, Truth]:
-    """Read a picture and cut it; where it is seen through it lies on white."""
-    from engine.puzzles.cutting import cut
+def read_picture(path: str) -> np.ndarray:
+    """The pixels (h, w, 3) uint8 of a picture; where it is seen through it lies on white."""
     from engine.puzzles.imagefile import opaque, read_image
 
-    return cut(opaque(read_image(path)), kind=how.kind, pieces=how.pieces, turned=how.turned, seed=how.seed, name=Path(path).stem)
+    return opaque(read_image(path))
+
+
+def cut_picture(image: np.ndarray, how: Cut, name: str) -> tuple[Puzzle, Truth]:
+    """Cut a picture (h, w, 3) uint8."""
+    from engine.puzzles.cutting import cut
+
+    return cut(image, kind=how.kind, pieces=how.pieces, turned=how.turned, seed=how.seed, name=name)
 
 
 def marks_of(puzzle: Puzzle, truth: Truth, solution: PuzzleSolution) -> Marks:
@@ -67,9 +73,13 @@ class Solving(QObject):
 
     # --- opening
 
-    def open_picture(self, path: str, how: Cut) -> None:
-        """Cut a picture into a puzzle; the one shown before stays if that fails."""
-        self._open(lambda _: cut_picture(path, how), path)
+    def look_at_picture(self, path: str, done: Callable[[np.ndarray], None]) -> None:
+        """Read a picture in the worker and hand its pixels (h, w, 3) on."""
+        self.jobs.start("puzzle-open", lambda _: read_picture(path), done, words="Reading the picture", failed=self.failed.emit)
+
+    def open_picture(self, image: np.ndarray, how: Cut, path: str) -> None:
+        """Cut a picture (h, w, 3) into a puzzle; the one shown before stays if that fails."""
+        self._open(lambda _: cut_picture(image, how, Path(path).stem), path)
 
     def open_folder(self, path: str) -> None:
         """Read a folder of pieces, whose truth nobody knows."""
@@ -86,7 +96,7 @@ class Solving(QObject):
         from assets import example_picture
 
         path = str(example_picture())
-        self._open(lambda _: cut_picture(path, Cut(pieces=EXAMPLE_PIECES)), "example")
+        self._open(lambda _: cut_picture(read_picture(path), Cut(pieces=EXAMPLE_PIECES), Path(path).stem), "example")
 
     def _open(self, work: Callable[[Progress], tuple[Puzzle, Truth | None]], origin: str) -> None:
         def read(progress: Progress) -> tuple[Puzzle, Truth | None, Wishes]:

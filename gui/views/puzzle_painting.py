@@ -42,7 +42,7 @@ class Overlay:
     says 'correct', 'wrong' or 'tie' by row, `locked` (j,) bool which a person holds. `selected` is a row, `piece` a
     piece, -1 for none, whose `sides` (k, 2, 2) are drawn in the colours `side_bins` (k,) of their best partners; `pinned`
     pieces stay put. `wrong_pieces` and `wrong_joins` are rows marked as errors where the
-    truth is known and wanted.
+    truth is known and wanted. `ghost` (k, 2) outlines where a piece would stand that is tried out.
     """
 
     seams: np.ndarray = field(default_factory=lambda: np.zeros((0, 2, 2)))
@@ -57,6 +57,7 @@ class Overlay:
     wrong_joins: np.ndarray = field(default_factory=no_rows)
     sides: np.ndarray = field(default_factory=lambda: np.zeros((0, 2, 2)))
     side_bins: np.ndarray = field(default_factory=no_rows)
+    ghost: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     caption: str = ""
 
 
@@ -130,6 +131,8 @@ def paint_marks(painter: QPainter, layout: Layout, overlay: Overlay, view: View,
         _paint_wrong(painter, layout, overlay, view, theme, extent)
     if overlay.piece >= 0 and not len(overlay.sides):
         outline(painter, view.to_screen(layout.polygon(overlay.piece)), theme)
+    if len(overlay.ghost):
+        _paint_ghost(painter, view.to_screen(overlay.ghost), theme)
     segments = view.to_screen(overlay.seams)
     if 0 <= overlay.selected < len(segments):
         _paint_selected(painter, segments[overlay.selected], theme)
@@ -183,6 +186,14 @@ def paint_outlines(painter: QPainter, layout: Layout, pieces: tuple[int, ...], v
     corners, first = view.to_screen(layout.corners()), outlines(layout.puzzle).first
     for piece in pieces:
         outline(painter, corners[first[piece] : first[piece + 1]], theme)
+
+
+def _paint_ghost(painter: QPainter, ring: np.ndarray, theme: Theme) -> None:
+    """A dashed frame."""
+    painter.setPen(_pen(QColor(theme.halo), 5))
+    painter.drawPolygon(_polygon(ring))
+    painter.setPen(_dashed(QColor(theme.accent), 3))
+    painter.drawPolygon(_polygon(ring))
 
 
 def outline(painter: QPainter, ring: np.ndarray, theme: Theme, strong: bool = True) -> None:

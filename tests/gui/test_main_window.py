@@ -605,6 +605,9 @@ def test_ids_and_keys_of_actions_are_unique():
     assert {row.menu for row in actions.TABLE} == set(actions.MENUS)
     for row in actions.TABLE:
         assert all(key in actions.keys_table() for key in row.keys)
+    assert "Lock the join" in actions.keys_table("puzzle")
+    assert "Link cameras" not in actions.keys_table("puzzle")
+    assert "Lock the join" not in actions.keys_table("shapes")
 
 
 def test_dark_and_light_reach_every_page(ready, qtbot):

@@ -9,7 +9,7 @@ from jigsaw import PX, cut_small, flat, true_solution, two_by_two
 from engine.puzzles.parameters import PuzzleParameters
 from engine.puzzles.pieces import Puzzle
 from engine.puzzles.solution import UNPLACED, Joins, Pin, no_joins
-from gui.pages.puzzle_contacts import alike, contacts, turned_round
+from gui.pages.puzzle_contacts import alike, beside, contacts, turned_round
 from gui.pages.puzzle_edits import (
     NO_WISHES,
     empty_solution,
@@ -29,9 +29,11 @@ from gui.pages.puzzle_edits import (
     unpin,
     without,
 )
+from gui.pages.puzzle_overlay import ghost
 from gui.pages.puzzle_solving import moved_pieces
 from gui.pages.puzzle_state import ASSEMBLE, NOTHING, PREPARE, PuzzleState, by_worst, counts_text, needed, percent
 from gui.session import Session
+from gui.views.puzzle_layout import arrange
 from gui.views.puzzle_scene import join_keys
 
 
@@ -170,6 +172,21 @@ def test_a_join_said_from_its_other_piece_is_the_same_join():
         other = int(solution.joins.sides[row, 2])
         seen = contacts(puzzle, solution, frozenset({other}))
         assert sum(alike(puzzle, solution.joins, row, seen, k) for k in range(len(seen))) == 1
+
+
+def test_a_tried_piece_is_outlined_where_its_join_puts_it():
+    puzzle, truth = cut_small(turned=True, seed=6)
+    solution = true_solution(puzzle, truth)
+    for row, (a, _, b, _) in enumerate(solution.joins.sides.tolist()):
+        there = truth.position[a] + beside(puzzle, solution.joins, row, int(truth.turns[a]))
+        assert there.min(axis=0).tolist() == truth.position[b].tolist()
+        assert there.max(axis=0).tolist() == (truth.position[b] + PX).tolist()
+    layout = arrange(puzzle, replace(solution, picture=np.where(np.arange(24) == b, UNPLACED, 0)))
+    state = PuzzleState(puzzle=puzzle, solution=solution, preview=one(solution.joins, row))
+    assert (ghost(state, layout) == there).all()
+    round_ = replace(state, preview=turned_round(puzzle, solution.joins, row))
+    assert sorted(ghost(round_, layout).tolist()) == sorted(there.tolist())
+    assert len(ghost(replace(state, preview=None), layout)) == 0
 
 
 def test_sides_touch_across_a_small_gap_along_half_of_the_shorter_one():

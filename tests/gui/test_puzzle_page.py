@@ -110,10 +110,11 @@ def test_nothing_runs_before_somebody_presses_solve(window, qtbot):
     assert window.puzzle.page.bar.solve_button.text() == "Solve again"
 
 
-def test_an_image_is_cut_as_asked_and_a_folder_of_pieces_read_without_truth(window, qtbot, tmp_path):
+def test_an_image_is_cut_as_asked_and_a_folder_of_pieces_read_without_truth(window, qtbot, tmp_path, monkeypatch):
     (tmp_path / "beach.png").write_bytes(png_bytes(picture(8, 6)))
-    window.puzzle.solving.open_picture(str(tmp_path / "beach.png"), Cut("squares", 12, True, 7))
-    settle(window, qtbot)
+    answer_dialog(monkeypatch, pieces=12, turned=True, seed=7)
+    window.puzzle.drop([str(tmp_path / "beach.png")])
+    qtbot.waitUntil(lambda: state(window).puzzle is not None)
     puzzle = state(window).puzzle
     assert (puzzle.count, puzzle.turned, puzzle.name) == (12, True, "beach")
     assert state(window).truth is not None
@@ -148,7 +149,7 @@ def test_the_example_opens_from_the_empty_page(window, qtbot):
 def test_a_bad_picture_is_one_sentence_and_the_puzzle_before_stays(ready, qtbot, tmp_path, content):
     before = state(ready)
     (tmp_path / "bad.png").write_bytes(content)
-    ready.puzzle.solving.open_picture(str(tmp_path / "bad.png"), Cut())
+    ready.puzzle.drop([str(tmp_path / "bad.png")])
     settle(ready, qtbot)
     assert "bad.png" in ready.messages.text.text()
     assert "Traceback" not in ready.messages.text.text()
@@ -179,9 +180,28 @@ def test_folders_and_pictures_go_to_the_puzzle_page_and_meshes_to_the_shapes(win
     assert "drop the target" in window.messages.text.text()
 
 
-def test_the_dialog_gives_back_what_was_chosen(window, tmp_path):
-    (tmp_path / "a.png").write_bytes(png_bytes(picture()))
-    dialog = CutDialog(str(tmp_path / "a.png"), Cut("merged", 33, True, 5), window)
+def answer_dialog(monkeypatch, pieces, turned=False, seed=0):
+    """Let the next dialog be answered at once."""
+
+    def exec_(dialog):
+        dialog.pieces.setValue(pieces)
+        dialog.turned.setChecked(turned)
+        dialog.seed.setValue(seed)
+        return CutDialog.DialogCode.Accepted
+
+    monkeypatch.setattr(CutDialog, "exec", exec_)
+
+
+def test_more_pieces_than_the_pixels_allow_are_refused_in_a_sentence(window, qtbot, tmp_path, monkeypatch):
+    (tmp_path / "tiny.png").write_bytes(png_bytes(picture(1, 1)))
+    answer_dialog(monkeypatch, pieces=5000)
+    window.puzzle.drop([str(tmp_path / "tiny.png")])
+    qtbot.waitUntil(lambda: "too small" in window.messages.text.text())
+    assert state(window).puzzle is None
+
+
+def test_the_dialog_gives_back_what_was_chosen(window):
+    dialog = CutDialog(picture(), "a.png", Cut("merged", 33, True, 5), window)
     assert dialog.how() == Cut("merged", 33, True, 5)
     dialog.kind.setCurrentIndex(3)
     dialog.pieces.setValue(80)

@@ -273,8 +273,12 @@ def bench_puzzles(
     for seed in plan.seeds:
         checked_cutting(how._replace(seed=seed))
     target = output_folder(out)
+    runs = output_folder(target / "runs")
+    before = len(list(runs.glob("*.json")))
     with progress_bar() as progress:
-        results = run_plan(plan, output_folder(target / "runs"), progress=progress)
+        results = run_plan(plan, runs, progress=progress)
+    made = len(list(runs.glob("*.json"))) - before
+    print(f"{made} runs made, {len(results) - made} kept from before in {runs}")
     _write_tables(target, plan, results)
 
 

@@ -6,6 +6,7 @@ import io
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,13 +15,14 @@ from ..progress import Progress, share, silent
 from ..spreadsheet import safe_cell
 from ..store import write_atomically
 from .gathering import Cutting, cut_images
+from .imagefile import plain_text
 from .parameters import PuzzleParameters
 from .piecefolder import image_files
 from .scoring import score
 from .solving import assemble, prepare
 from .wearing import WEAR, worn
 
-VERSION = "1"  # of what a run file holds; old ones are made anew
+FORM = "1"  # of what a run file holds; old ones are made anew
 NO_WEAR = "none"
 NAMING = ("image", "wear", "measure", "method")  # columns of words; the others are numbers
 HEAD = ("image", "seed", "wear", "measure", "method", "pieces", "direct", "neighbour", "perfect", "direct_tie_aware",
@@ -75,7 +77,8 @@ def _group(plan: Plan, image: Path, seed: int, wear: str, runs: Path, progress: 
         part = share(progress, number / len(plan.measures), (number + 1) / len(plan.measures))
         for method in plan.methods:
             parameters = plan.parameters.changed(measure=measure, method=method)
-            key = (VERSION, content, seed, wear, *plan.how._replace(seed=seed), sorted(parameters.model_dump().items()))
+            values = sorted(parameters.model_dump().items())
+            key = (FORM, version("concord-correspondences"), content, seed, wear, *plan.how._replace(seed=seed), values)
             path = runs / f"{hashlib.sha256(repr(key).encode()).hexdigest()[:24]}.json"
             found = _kept(path)
             if found is None:
@@ -89,7 +92,7 @@ def _group(plan: Plan, image: Path, seed: int, wear: str, runs: Path, progress: 
                 seconds = sum(solution.seconds.values())
                 found = {"pieces": made[0].count, **asdict(score(*made, solution)), "seconds": round(seconds, 4)}
                 write_atomically(path, json.dumps(found) + "\n")
-            yield {"image": image.name, "seed": seed, "wear": wear, "measure": measure, "method": method, **found}
+            yield {"image": plain_text(image.name), "seed": seed, "wear": wear, "measure": measure, "method": method, **found}
 
 
 def _kept(path: Path) -> dict[str, Any] | None:

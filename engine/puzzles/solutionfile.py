@@ -160,8 +160,9 @@ def read_json(path: Path, schema: str, what: str) -> dict[str, Any]:
 
 
 def _solution(content: Mapping[str, Any]) -> PuzzleSolution:
-    n, sizes = whole_number(content["pieces"]), [(p["width"], p["height"]) for p in content["pictures"]]
-    if not 0 < n < 10**7:
+    n = whole_number(content["pieces"])
+    sizes = [(whole_number(p["width"]), whole_number(p["height"])) for p in content["pictures"]]
+    if not 0 < n < 10**7 or any(w < 0 or h < 0 or w * h > 10**10 for w, h in sizes):
         raise ValueError
     picture, position, turns = np.full(n, UNPLACED), np.zeros((n, 2), dtype=np.int64), np.zeros(n, dtype=np.int64)
     for placed in content["placed"]:

@@ -98,7 +98,8 @@ DAMAGE = [
     lambda c: c["placed"][0].update(x=0.5), lambda c: c["placed"][0].update(x=True), lambda c: c.update(pieces=10**9),
     lambda c: c.update(pieces=-1), lambda c: c["joins"][0].update(a=99), lambda c: c["joins"][0].update(confidence="x"),
     lambda c: c.update(parameters={"colour": 1}), lambda c: c.update(parameters=[]), lambda c: c.update(seconds=[1]),
-    lambda c: c["placed"][0].update(y=10**400),
+    lambda c: c["placed"][0].update(y=10**400), lambda c: c["pictures"][0].update(width=-1),
+    lambda c: c["pictures"][0].update(width=10**9, height=10**9), lambda c: c["pictures"][0].update(height=float("nan")),
 ]  # fmt: skip
 
 

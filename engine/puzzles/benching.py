@@ -42,7 +42,7 @@ class Plan(NamedTuple):
 
 
 def checked_plan(plan: Plan) -> Plan:
-    """The plan, or `BadInput` in one sentence for what cannot be run."""
+    """The plan, or `BadInput` in one sentence for what cannot be run; every picture is read and cut to find out."""
     if not image_files(plan.folder):
         raise BadInput(f"The folder {plan.folder} holds no images; name a folder of pictures to cut.")
     for kind in plan.wear:
@@ -53,6 +53,11 @@ def checked_plan(plan: Plan) -> Plan:
     for measure in plan.measures:
         for method in plan.methods:
             plan.parameters.changed(measure=measure, method=method)
+    for image in image_files(plan.folder):
+        try:
+            cut_images([image], plan.how)
+        except BadInput as error:
+            raise BadInput(str(error) if image.name in str(error) else f"{image}: {error}") from None
     return plan
 
 

@@ -182,14 +182,16 @@ def joins_of_piece(joins: Joins, piece: int) -> Joins:
 
 
 def shifted(puzzle: Puzzle, solution: PuzzleSolution, wishes: Wishes) -> tuple[PuzzleSolution, Wishes]:
-    """The same with everything moved so that the pieces begin at (0, 0): where no frame is known, only that counts."""
-    placed = solution.placed
-    if not placed.any():
-        return solution, wishes
-    low = solution.position[placed].min(axis=0)
-    position = np.where(placed[:, None], solution.position - low, solution.position)
+    """The same with each picture moved so that its pieces begin at (0, 0): without a known frame only that counts."""
     size = turned_sizes(outlines(puzzle).size, solution.turns)
-    reach = (position + size)[placed].max(axis=0)
-    sizes = np.concatenate([[reach], solution.sizes[1:]])
-    pins = tuple(p._replace(x=p.x - int(low[0]), y=p.y - int(low[1])) for p in wishes.pinned)
-    return replace(solution, position=position, sizes=sizes), replace(wishes, pinned=pins)
+    step, sizes = np.zeros((puzzle.count, 2), np.int64), solution.sizes.copy()
+    for k in range(len(sizes)):
+        inside = solution.picture == k
+        if inside.any():
+            step[inside] = solution.position[inside].min(axis=0)
+            sizes[k] = (solution.position + size - step)[inside].max(axis=0)
+    if not step.any() and (sizes == solution.sizes).all():
+        return solution, wishes
+    pins = tuple(p._replace(x=p.x - int(step[p.piece, 0]), y=p.y - int(step[p.piece, 1])) for p in wishes.pinned)
+    moved = replace(solution, position=solution.position - step, sizes=sizes)
+    return moved, replace(wishes, pinned=pins) if pins else wishes

@@ -211,6 +211,12 @@ def test_without_a_frame_only_relative_places_count(square):
     assert (again.position == solution.position).all()
     assert wishes.pinned == (Pin(1, 4, 0),)
     assert again.sizes.tolist() == [[8, 8]]
+    two = replace(solution, picture=np.array([0, 0, 1, 1]), sizes=np.array([[8, 4], [8, 8]]))
+    again, wishes = shifted(puzzle, two, pin(NO_WISHES, [Pin(3, 4, 4), Pin(1, 4, 0)]))
+    assert again.position.tolist() == [[0, 0], [4, 0], [0, 0], [4, 0]]
+    assert again.sizes.tolist() == [[8, 4], [8, 4]]
+    assert set(wishes.pinned) == {Pin(3, 4, 0), Pin(1, 4, 0)}
+    assert shifted(puzzle, again, wishes) == (again, wishes)  # the same objects: nothing has to run again
 
 
 def test_pieces_that_moved_are_found(square):

@@ -62,7 +62,7 @@ def reconsidered(
     """Try up to `tries` joins the other way, the most striking first, and keep what the contacts speak for."""
     best = put_together(ground, start, trials, rules, least)
     tried = np.zeros((2, len(trials.odds)), dtype=bool)
-    for number in range(tries):
+    for number in range(tries if len(trials.odds) else 0):
         made, kept = np.zeros(tried.shape, dtype=bool)
         made[best.chosen] = True
         held(ground, best.layout, trials, kept)

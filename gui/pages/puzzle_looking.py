@@ -18,7 +18,7 @@ from .puzzle_panel import Asked, JoinPanel, Shown
 from .puzzle_partners import partners_of_side
 from .puzzle_state import PuzzleState, by_worst, wishes_counts
 
-_SHOWN = {"selected", "preview", "solution", "piece", "wishes", "dark", "below", "puzzle", "prepared"}
+_SHOWN = {"selected", "preview", "solution", "piece", "wishes", "dark", "below", "puzzle", "prepared", "asked"}
 
 
 class Looking(QObject):
@@ -121,6 +121,8 @@ def _advice(state: PuzzleState) -> str:
     """What to do where no join is selected."""
     if state.puzzle is None:
         return ""
+    if state.asked and state.solution is None:
+        return "The picture will grow here. Esc stops."
     if state.solution is None or not len(state.solution.joins):
         return "Press Solve, or drag pieces out of the tray: they snap to each other."
     if state.piece >= 0 and not state.solution.placed[state.piece]:

@@ -128,6 +128,8 @@ def counts_text(state: PuzzleState) -> str:
     n = state.puzzle.count
     parts = [f"{n} pieces"]
     if state.solution is None:
+        if state.asked:
+            return f"{parts[0]} · looking for their neighbours …"
         return f"{parts[0]} in the tray · press Solve, or drag them together by hand"
     placed = int(state.solution.placed.sum())
     parts.append(f"{placed} placed" if placed < n else "all placed")

@@ -106,6 +106,7 @@ def test_nothing_runs_before_somebody_presses_solve(window, qtbot):
     qtbot.mouseClick(window.puzzle.page.bar.solve_button, Qt.MouseButton.LeftButton)
     assert window.jobs.busy("puzzle")
     assert not window.puzzle.page.bar.solve_button.isEnabled()
+    assert "press Solve" not in window.status.text.text() + window.puzzle.page.join.facts.text()
     settle(window, qtbot)
     assert window.puzzle.page.bar.solve_button.text() == "Solve again"
 

@@ -147,8 +147,8 @@ class PuzzlePage(QWidget):
     def _piece_clicked(self, piece: int) -> None:
         """Choose a piece; of one in the tray, look at its best partner, of its next side if it is clicked again."""
         state = self.session.state
-        placed = state.solution is not None and bool(state.solution.placed[piece])
-        best = None if placed or not state.asked else next_best(state, piece)
+        lies = state.solution is not None and not state.solution.placed[piece]
+        best = next_best(state, piece) if lies and state.asked else None
         self.session.update(piece=piece, selected=None, preview=best)
 
     def step_join(self, by: int) -> None:

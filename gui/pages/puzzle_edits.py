@@ -80,6 +80,12 @@ def unpin(wishes: Wishes, pieces: Iterable[int]) -> Wishes:
     return replace(wishes, pinned=tuple(p for p in wishes.pinned if p.piece not in gone))
 
 
+def upright(wishes: Wishes) -> Wishes:
+    """The wishes that turn no piece."""
+    locked, forbidden = (chosen(joins, joins.turn % 4 == 0) for joins in (wishes.locked, wishes.forbidden))
+    return Wishes(locked, forbidden, tuple(p for p in wishes.pinned if p.quarter_turns % 4 == 0))
+
+
 def released(wishes: Wishes, key: Key) -> Wishes:
     """Neither hold nor reject a join any more."""
     return replace(wishes, locked=without(wishes.locked, [key]), forbidden=without(wishes.forbidden, [key]))

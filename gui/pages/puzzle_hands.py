@@ -28,6 +28,7 @@ from .puzzle_edits import (
     shifted,
     taken_out,
     unpin,
+    upright,
     without,
 )
 from .puzzle_judging import shown_join
@@ -122,6 +123,9 @@ class Hands(QObject):
         if state.piece < 0 or state.solution is None or not state.solution.placed[state.piece]:
             self.said.emit("Choose a placed piece first, then turn it; pieces in the tray are turned where they are put.")
             return
+        if not state.puzzle.turned:
+            self.said.emit("These pieces are not turned; say under Parameters that they may be.")
+            return
         old = pin_of(state.solution, state.piece)
         new = old._replace(quarter_turns=(old.quarter_turns + 1) % 4)
         self._hold(state.solution, [new], pin(state.wishes, [new]), int(state.solution.picture[state.piece]), state.piece)
@@ -132,9 +136,10 @@ class Hands(QObject):
         puzzle = state.puzzle
         if puzzle is None or (puzzle.turned, puzzle.pictures) == (turned, pictures):
             return
+        wishes = state.wishes if turned or not state.wishes else upright(state.wishes)
         frame = puzzle.frame if pictures == 1 else None  # the size of one picture says nothing of several
         self.session.update(**opened(replace(puzzle, turned=turned, pictures=pictures, frame=frame), state.truth, state.origin,
-                                     state.wishes) | {"asked": state.asked})  # fmt: skip
+                                     wishes) | {"asked": state.asked})  # fmt: skip
 
     def taken_back(self) -> list[tuple[str, Callable[[], object]]]:
         """Every lock, rejection and pin in words, the newest first, and what takes it back."""

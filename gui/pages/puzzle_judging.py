@@ -141,7 +141,7 @@ class PuzzleJudging(QObject):
 
 def shown_join(state: PuzzleState) -> tuple[Joins | None, int]:
     """The join that is looked at and its row: one that is tried out, or the selected one of the solution."""
-    if state.preview is not None:
+    if state.preview is not None and state.solution is not None:
         return state.preview, 0
     return (state.solution.joins, state.row) if state.row >= 0 else (None, -1)
 

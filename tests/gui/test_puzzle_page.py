@@ -547,6 +547,18 @@ def test_what_a_person_knows_of_the_pieces_is_declared_and_solved_anew(ready, qt
     assert state(ready).puzzle.turned
     settle(ready, qtbot)
     assert state(ready).solution.placed.all()
+    ready.puzzle.session.update(piece=4)
+    press(ready, qtbot, Qt.Key.Key_Period)
+    assert state(ready).wishes.pinned[0].quarter_turns != 0
+    facts.turned.setChecked(False)
+    assert state(ready).wishes.pinned == ()  # it turned a piece
+    settle(ready, qtbot)
+    ready.puzzle.session.update(piece=4)
+    ready.puzzle.hands.turn()
+    assert "not turned" in ready.status.text.text()
+    ready.undo()
+    ready.undo()
+    settle(ready, qtbot)
     facts.pictures.setValue(2)
     settle(ready, qtbot)
     assert (state(ready).puzzle.pictures, state(ready).puzzle.frame) == (2, None)

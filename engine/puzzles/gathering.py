@@ -64,4 +64,5 @@ def without_frame(puzzle: Puzzle) -> Puzzle:
 
 
 def _file(path: Path) -> dict[str, str]:
-    return {"name": plain_text(path.name), "path": plain_text(str(path.absolute())), "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
+    content = hashlib.sha256(path.read_bytes()).hexdigest()
+    return {"name": plain_text(path.name), "path": plain_text(str(path.absolute())), "sha256": content}

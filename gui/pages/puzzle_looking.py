@@ -44,6 +44,7 @@ class Looking(QObject):
 
     def show(self, state: PuzzleState) -> None:
         """Show what a state looks at."""
+        self._candidates = None
         joins, row = shown_join(state)
         if joins is None:
             self.panel.show_join(Shown(_heading(state), _advice(state), None, (), "", _pinned(state), False))

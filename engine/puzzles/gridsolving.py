@@ -20,7 +20,7 @@ from .solution import UNPLACED, PuzzleSolution, Wishes
 
 LEAST = 0.4  # probability below which no method joins blocks before contacts are summed
 SURE_ENOUGH = 0.5  # the default tries other ways where joins of the first are less likely than this
-LEAST_JOINED = 0.6  # share of sides surely joined below which borders may be worn
+LEAST_JOINED = 0.75  # share of sides surely joined below which borders may be worn
 MOST_FOR_LP = 4000  # pieces up to which the default tries the linear programme too
 
 

@@ -14,6 +14,7 @@ from engine.puzzles.parameters import PuzzleParameters
 from engine.puzzles.scoring import right_joins, score
 from engine.puzzles.solution import Joins, Pin, Wishes
 from engine.puzzles.solving import assemble, candidate_joins, prepare, solve
+from engine.puzzles.wearing import worn
 
 TOP, RIGHT, BOTTOM, LEFT = range(4)
 FAST = PuzzleParameters(method="mst")
@@ -187,7 +188,7 @@ def test_identical_pieces_make_a_picture():
 
 
 def test_two_pieces_are_enough():
-    puzzle, truth = cut(np.random.default_rng(0).integers(0, 256, (8, 16, 3)).astype(np.uint8), piece_size=8, seed=0)
+    puzzle, _ = cut(np.random.default_rng(0).integers(0, 256, (8, 16, 3)).astype(np.uint8), piece_size=8, seed=0)
     assert solve(puzzle, PuzzleParameters()).placed.all()
 
 
@@ -236,7 +237,7 @@ def prepared(picture):
 def test_a_locked_join_holds_even_if_it_is_wrong(prepared):
     ready, _ = prepared
     free = assemble(ready, FAST)
-    a, s, b, t = free.joins.sides[0].tolist()
+    a, s, b, _ = free.joins.sides[0].tolist()
     wrong = next(r for r in candidate_joins(ready, a, s).sides.tolist() if r[2] != b)
     solution = assemble(ready, FAST, wishes=Wishes(locked=joins_of([wrong])))
     assert holds(solution, wrong)
@@ -290,3 +291,12 @@ def test_wishes_that_cannot_be_met_are_one_sentence(prepared, wishes):
     with pytest.raises(BadInput) as caught:
         assemble(prepared[0], FAST, wishes=wishes)
     assert str(caught.value).endswith(".")
+
+
+def test_worn_borders_are_noticed(picture):
+    puzzle, truth = worn(*cut(picture, piece_size=28, seed=3), "eroded 1", 3)
+    found = [solve(puzzle, FAST.changed(wear=wear)) for wear in ("clean", "auto")]
+    assert any("worn" in note for note in found[1].notes)
+    assert score(puzzle, truth, found[1]).neighbour >= score(puzzle, truth, found[0]).neighbour
+    whole = solve(cut(picture, piece_size=28, seed=3)[0], FAST)
+    assert not whole.notes

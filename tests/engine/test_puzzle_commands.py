@@ -280,7 +280,8 @@ def test_the_benchmark_makes_tables_and_goes_on(here, scene, monkeypatch, capsys
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [(["small"], "small/1.png: A picture of 20"), (["nowhere"], "not a folder"), ([".", "--wear", "mud"], "no wear 'mud'"),
-     (["empty"], "holds no images"), ([".", "--methods", "magic"], "'method' cannot"), ([".", "--seeds", "-1"], "--seed cannot"), ([".", "--cut", "merged", "--wear", "jpeg 90"], "is for squares")],
+     (["empty"], "holds no images"), ([".", "--methods", "magic"], "'method' cannot"),
+     ([".", "--seeds", "-1"], "--seed cannot"), ([".", "--cut", "merged", "--wear", "jpeg 90"], "is for squares")],
 )  # fmt: skip
 def test_a_benchmark_that_cannot_be_run_is_said(here, capsys, arguments, words):
     (here / "empty").mkdir()

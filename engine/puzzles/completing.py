@@ -56,6 +56,7 @@ def complete(
     have locked together, -1 for all others; a group is placed as it is or not at all.
     """
     blocks = merge_by_contacts(blocks, candidates, e, rules, least=SURE, hopeful=HOPEFUL)
+    known = rules.frame is not None
     if pictures == 1:
         rules = with_guessed_frame(blocks, rules, turned, missing)
     mains = main_blocks(blocks, pictures, rules.anchored if pin is None else np.array([pin[0]]))
@@ -63,6 +64,8 @@ def complete(
     if rules.frame is not None:
         blocks = merge_by_contacts(blocks, candidates, e, rules, least=-60.0, hopeful=-4.0)
         mains = blocks.block[mains]  # a larger block may have given them its name
+    if not known and rules.frame is not None and pin is not None and (pin[3] - blocks.turns[pin[0]]) % 2:
+        rules = Rules(rules.frame[::-1], rules.either_way, rules.forbidden, rules.anchored, apart=mains)  # it turns along
     blocks = _as_pinned(blocks, pin)
     canvases = [_canvas(blocks, name, rules) for name in mains]
     pinned = -1 if pin is None else int(np.flatnonzero(mains == blocks.block[pin[0]])[0])

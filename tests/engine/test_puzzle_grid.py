@@ -1,5 +1,7 @@
 """Solving puzzles of squares: blocks by hand, laws of the whole solver, wishes honoured exactly."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -271,6 +273,19 @@ def test_a_pin_turns_a_turned_puzzle(picture):
     solution = solve(puzzle, FAST, wishes=Wishes(pinned=(pin,)))
     assert (solution.position == truth.position).all()
     assert (solution.turns == truth.turns).all()
+
+
+def test_a_pin_may_turn_a_picture_whose_size_is_guessed(picture):
+    puzzle, _ = cut(picture[:112, :140], piece_size=28, turned=True, seed=2)  # four rows of five
+    ready = prepare(replace(puzzle, frame=None), FAST)
+    free = assemble(ready, FAST)
+    for turn in range(4):
+        solution = assemble(ready, FAST, wishes=Wishes(pinned=(Pin(3, 560, 560, turn),)))
+        assert solution.position[3].tolist() == [560, 560]
+        assert solution.turns[3] == turn
+        upright = (turn - int(free.turns[3])) % 2 == 0
+        reach = np.ptp(solution.position[solution.placed], axis=0) + 28
+        assert tuple(reach) == tuple(free.sizes[0] if upright else free.sizes[0][::-1])
 
 
 @pytest.mark.parametrize(

@@ -5,11 +5,13 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, prange
 
-from .contacts import FEATURES, Ground, features_of, side_odds, touching
+from .contacts import FEATURES, Ground, features_of, shared_pixels, side_odds, touching
 
 FIRST, LAST = 1, 2  # the shared corner: start of the first side and end of the second; the other way; 3 is both
 NOBODY = -3.0  # log odds of having no partner at all, in the contest at an end of a side
 FLOOR, CEILING = -20.0, 20.0
+TRIED, RIM = 8, 3  # candidates of a corner that are moved about; pixels that masks on a slope may share
+ROUNDED, CLEARLY = 0.8, 2.0  # pixels that corners may miss each other by; log odds that a move must bring
 HOPEFUL, SLIDE, NOWHERE, SHARP = -3.0, 8, -50.0, 6.0  # which candidates are slid, how far, and what is made of it
 
 
@@ -98,6 +100,87 @@ def contest(a: Alignments, odds: np.ndarray, sides: int) -> np.ndarray:
     first = np.empty(len(strength), dtype=np.int64)
     first[a.origin[kept]] = kept
     return np.clip(odds[:, None] - against[first[a.origin]], FLOOR, CEILING)
+
+
+def refined(ground: Ground, a: Alignments, odds: np.ndarray) -> Alignments:
+    """Candidates of traced outlines, each moved by a pixel at most to where it fits best.
+
+    The corners of traced outlines are off by up to a pixel, which is enough to hide a true join. The strongest at each
+    corner are moved about: along level and upright sides, and in all directions on slopes, where the masks must touch
+    without overlap. Candidates that end in the same place become one.
+    """
+    rows = _strongest(a, odds, TRIED)
+    offset = a.offset.copy()
+    _refine(ground, a.side, a.turn, a.offset, a.corner, rows, offset)
+    samples, feature = a.samples.copy(), a.feature.copy()
+    changed = np.flatnonzero((offset != a.offset).any(axis=1))
+    new = np.zeros((len(changed), 3), dtype=np.int64)
+    _touch(ground, a.side[changed], a.turn[changed], offset[changed], new)
+    seen = np.zeros((len(changed), feature.shape[1]))
+    _see(ground, a.side[changed], new, seen)
+    samples[changed], feature[changed] = new, seen
+    _, first, place = np.unique(
+        np.column_stack([a.side, a.turn, offset]), axis=0, return_index=True, return_inverse=True
+    )
+    corner = np.zeros(len(first), dtype=np.int64)
+    np.bitwise_or.at(corner, place.ravel(), a.corner)
+    return Alignments(
+        a.side[first], a.turn[first], offset[first], corner, samples[first], feature[first], a.slid[first],
+        np.arange(len(first)),
+    )  # fmt: skip
+
+
+def _strongest(a: Alignments, odds: np.ndarray, most: int) -> np.ndarray:
+    """The rows that are among the `most` strongest of some corner of some side."""
+    order = np.argsort(-odds, kind="stable")
+    chosen = np.zeros(len(odds), dtype=bool)
+    for column in (0, 1):
+        for shared in (FIRST, LAST):
+            rows = order[(a.corner[order] & shared) > 0]
+            rows = rows[np.argsort(a.side[rows, column], kind="stable")]
+            side = a.side[rows, column]
+            first = np.searchsorted(side, side, side="left")
+            chosen[rows[np.arange(len(rows)) - first < most]] = True
+    return np.flatnonzero(chosen)
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def _refine(g, side, turn, offset, corner, rows, result):  # type: ignore[no-untyped-def]
+    for q in prange(len(rows)):
+        k = rows[q]
+        e, f, t = side[k, 0], side[k, 1], turn[k]
+        if corner[k] & FIRST:
+            dx, dy = g.start[e, 0] - g.end[f, t]
+        else:
+            dx, dy = g.end[e, 0] - g.start[f, t]
+        x, y = _best_nearby(g, e, f, t, offset[k, 0], offset[k, 1], dx, dy)
+        result[k, 0], result[k, 1] = x, y
+
+
+@njit(cache=True, nogil=True)
+def _best_nearby(g, e, f, turn, x, y, dx, dy):  # type: ignore[no-untyped-def]
+    """The offset near (dx, dy), where the corners meet, at which side f fits side e clearly better than at (x, y)."""
+    a = np.searchsorted(g.first, e, side="right") - 1
+    b = np.searchsorted(g.first, f, side="right") - 1
+    ax, ay = g.end[e, 0] - g.start[e, 0]
+    slope = min(abs(ax), abs(ay)) > 1e-6
+    ix, iy = np.int64(-np.sign(ay)), np.int64(np.sign(ax))  # towards the inside of a
+    z, best, at_x, at_y = np.empty(FEATURES), NOWHERE, x, y
+    for u in range(-1, 2):
+        for v in range(-1, 2):
+            moved = abs(x + u - dx) > ROUNDED or abs(y + v - dy) > ROUNDED
+            n, i, j = touching(g, e, 0, f, turn, x + u, y + v)
+            if n == 0 or (moved and (u or v)):
+                continue
+            if slope and (
+                shared_pixels(g, a, 0, b, turn, x + u, y + v, RIM) > RIM
+                or shared_pixels(g, a, 0, b, turn, x + u + ix, y + v + iy, RIM) <= RIM
+            ):
+                continue
+            value = side_odds(g, e, i, f, j, n, z) - (CLEARLY if u or v else 0.0)
+            if value > best:
+                best, at_x, at_y = value, x + u, y + v
+    return at_x, at_y
 
 
 def with_slid(ground: Ground, a: Alignments, odds: np.ndarray) -> tuple[Alignments, np.ndarray, np.ndarray]:

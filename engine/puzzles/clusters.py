@@ -106,43 +106,48 @@ def support(g, a, ta, b, tb, dx, dy, skip_a, skip_b, base, z):  # type: ignore[n
 
 
 @njit(cache=True, nogil=True)
-def barred(forbidden, a, ta, b, tb, dx, dy, wa, ha, wb, hb):  # type: ignore[no-untyped-def]
-    """Whether two placed pieces stand in a forbidden relation: rows (a, b, turn, dx, dy) in the frame of a as read."""
+def parted(g, forbidden, a, ta, b, tb, dx, dy):  # type: ignore[no-untyped-def]
+    """Whether two placed pieces stand in a forbidden relation: rows (p, q, turn, dx, dy) in the frame of p as read."""
     for k in range(len(forbidden)):
-        p, q, turn, ox, oy = forbidden[k]
-        if p == a and q == b and (tb - ta) % 4 == turn:
-            x0, y0 = rotated(0, 0, wa, ha, -ta)
-            x, y = rotated(dx, dy, wb, hb, -ta)
-            if abs(x - x0 - ox) <= 1 and abs(y - y0 - oy) <= 1:
-                return True
+        p, q, turn, x, y = forbidden[k]
+        if p == a and q == b and _stands(g, a, ta, b, tb, dx, dy, turn, x, y):
+            return True
+        if p == b and q == a and _stands(g, b, tb, a, ta, -dx, -dy, turn, x, y):
+            return True
     return False
 
 
 @njit(cache=True, nogil=True)
-def side_by_side(g, layout, members, a_from, a_to, others, b_from, b_to, turns, mx, my, sa, sb, forbidden, base, z):  # type: ignore[no-untyped-def]
+def _stands(g, a, ta, b, tb, dx, dy, turn, x, y):  # type: ignore[no-untyped-def]
+    if (tb - ta) % 4 != turn:
+        return False
+    wa, ha = extent(g, a, ta)
+    wb, hb = extent(g, b, tb)
+    x0, y0 = rotated(0, 0, wa, ha, -ta)
+    x1, y1 = rotated(dx, dy, wb, hb, -ta)
+    return abs(x1 - x0 - x) <= 1 and abs(y1 - y0 - y) <= 1
+
+
+@njit(cache=True, nogil=True)
+def side_by_side(g, layout, members, others, turns, mx, my, sa, sb, forbidden, base, z):  # type: ignore[no-untyped-def]
     """(possible, log odds) of `others` moved beside `members`: no overlap, nothing forbidden; the contacts' sum.
 
     The contact of the sides sa and sb is left out: it is counted elsewhere, with its competition.
     """
     total = 0.0
-    for q in range(b_from, b_to):
-        b = others[q]
-        tb, bx, by = moved(g, layout, b, turns, mx, my)
-        for p in range(a_from, a_to):
-            a = members[p]
-            ta, dx, dy = layout.turns[a], bx - layout.place[a, 0], by - layout.place[a, 1]
-            if not near(g, a, ta, b, tb, dx, dy):
-                continue
-            if overlapping(g, a, ta, b, tb, dx, dy):
-                return False, 0.0
-            if len(forbidden):
-                wa, ha = extent(g, a, ta)
-                wb, hb = extent(g, b, tb)
-                if barred(forbidden, a, ta, b, tb, dx, dy, wa, ha, wb, hb):
+    for look in range(2):  # first whether it is possible, then what it is worth
+        for q in range(len(others)):
+            b = others[q]
+            tb, bx, by = moved(g, layout, b, turns, mx, my)
+            for p in range(len(members)):
+                a = members[p]
+                ta, dx, dy = layout.turns[a], bx - layout.place[a, 0], by - layout.place[a, 1]
+                if not near(g, a, ta, b, tb, dx, dy):
+                    continue
+                if look:
+                    total += support(g, a, ta, b, tb, dx, dy, sa, sb, base, z)[0]
+                elif overlapping(g, a, ta, b, tb, dx, dy) or parted(g, forbidden, a, ta, b, tb, dx, dy):
                     return False, 0.0
-                if barred(forbidden, b, tb, a, ta, -dx, -dy, wb, hb, wa, ha):
-                    return False, 0.0
-            total += support(g, a, ta, b, tb, dx, dy, sa, sb, base, z)[0]
     return True, total
 
 
@@ -166,6 +171,7 @@ def merge(g, layout, trials, forbidden, fixed, main, width, height, either_way, 
     merges of one of them with another cluster are made.
     """
     main, only = main.copy(), main.any()
+    room = int(2 * g.slack)  # what rough outlines may add up to
     n, c = len(layout.cluster), len(trials.side)
     member = np.argsort(layout.cluster, kind="mergesort")  # the pieces of a cluster in a row
     start, stop = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
@@ -205,7 +211,9 @@ def merge(g, layout, trials, forbidden, fixed, main, width, height, either_way, 
         l1, t1, r1, b1 = bounds(g, layout, lists[B], 0, len(lists[B]), turns, mx, my)
         w, h = max(r0, r1) - min(l0, l1), max(b0, b1) - min(t0, t1)
         alive[best] = False
-        if width > 0 and not ((w <= width and h <= height) or (either_way and w <= height and h <= width)):
+        if width > 0 and not (
+            (w <= width + room and h <= height + room) or (either_way and w <= height + room and h <= width + room)
+        ):
             continue
         back = home != A and (home == B or len(lists[B]) > len(lists[A]))  # A is moved instead
         if back:
@@ -213,7 +221,7 @@ def merge(g, layout, trials, forbidden, fixed, main, width, height, either_way, 
             A, B = B, A
         if home == A:
             l1, t1, r1, b1 = bounds(g, layout, lists[B], 0, len(lists[B]), turns, mx, my)
-            if l1 < 0 or t1 < 0 or (width > 0 and (r1 > width or b1 > height)):
+            if min(l1, t1) < -room or (width > 0 and (r1 > width + room or b1 > height + room)):
                 continue
         chosen.append(best)
         main[A] = main[A] or main[B]
@@ -271,8 +279,7 @@ def _judged(g, layout, trials, piece, k, members, others, forbidden, base, z):  
     a, b = piece[k, 0], piece[k, 1]
     turns, mx, my = movement(g, layout, a, b, trials.turn[k], trials.offset[k, 0], trials.offset[k, 1])
     return side_by_side(
-        g, layout, members, 0, len(members), others, 0, len(others), turns, mx, my, trials.side[k, 0], trials.side[k, 1],
-        forbidden, base, z,
+        g, layout, members, others, turns, mx, my, trials.side[k, 0], trials.side[k, 1], forbidden, base, z
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from .pieces import Piece
 from .subedges import Sides
 
 LEARNED = -1  # the code of the learned measure
-FEATURES = 8  # of a contact under the learned measure; the first WITHIN of them under any other
+FEATURES = 9  # of a contact under the learned measure; the first WITHIN of them under any other
 WITHIN = 3
 SHORTEST = 4.0  # pixels of a contact that says something
 
@@ -83,7 +83,7 @@ def touching(g, e, te, f, tf, dx, dy):  # type: ignore[no-untyped-def]
     i, j = round(low / g.step[e]), round((far - high) / g.step[f])
     n = round((high - low) / g.step[e])
     n = min(n, g.strip[e + 1] - g.strip[e] - i, g.strip[f + 1] - g.strip[f] - j)
-    return n, i, j
+    return max(n, 0), i, j
 
 
 @njit(cache=True, nogil=True)
@@ -125,6 +125,15 @@ def _invert(s, scale, inverse):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
+def _sorted(a):  # type: ignore[no-untyped-def]
+    """A strip (n, 3), each channel sorted on its own."""
+    result = np.empty_like(a)
+    for k in range(3):
+        result[:, k] = np.sort(a[:, k])
+    return result
+
+
+@njit(cache=True, nogil=True)
 def unlikeness(code, a, a_in, b, b_in, seam):  # type: ignore[no-untyped-def]
     """The measure `code` of two strips (n, 3), the second read backwards, per sample; `seam` is their distance."""
     n = len(a)
@@ -135,7 +144,7 @@ def unlikeness(code, a, a_in, b, b_in, seam):  # type: ignore[no-untyped-def]
     if code == PT:
         return predicted_l1(a, a_in, b, b_in) / n
     if code == EMD:
-        return emd(a, b, 1)
+        return emd(_sorted(a), _sorted(b), 1)
     mean_a, mean_b = np.empty(3), np.empty(3)
     inverse_a, inverse_b = np.empty((3, 3)), np.empty((3, 3))
     statistics(a, a_in, mean_a, inverse_a)
@@ -152,7 +161,8 @@ def contact_features(code, a, a_in, b, b_in, seam, z):  # type: ignore[no-untype
 
     The measure, the activity (how much neighbouring samples differ, across and along the seam) and the length; for
     the learned measure also the border predicted one step outwards, the changes along the seam against each other,
-    the plain and the mean differences and the activity across alone. All are logarithms.
+    the plain and the mean differences and the activity across alone. All these are logarithms; last comes the distance
+    of the strips.
     """
     n = len(a)
     across, along, changes, predicted, squares, shift = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -180,6 +190,7 @@ def contact_features(code, a, a_in, b, b_in, seam, z):  # type: ignore[no-untype
         z[5] = np.log(np.sqrt(squares / n) + 1)
         z[6] = np.log(shift / n + 1)
         z[7] = np.log(across / n + 1)
+        z[8] = seam
 
 
 @njit(cache=True, nogil=True)
@@ -213,20 +224,31 @@ def overlapping(g, a, ta, b, tb, dx, dy):  # type: ignore[no-untyped-def]
     """Whether piece b (turned tb, moved by (dx, dy)) covers pixels of piece a (turned ta), beyond the slack."""
     wa, ha = g.size[a, ta % 2], g.size[a, 1 - ta % 2]
     wb, hb = g.size[b, tb % 2], g.size[b, 1 - tb % 2]
+    w, h = min(wa, dx + wb) - max(0, dx), min(ha, dy + hb) - max(0, dy)
+    if w <= 0 or h <= 0:
+        return False
+    most = g.slack * max(w, h)
+    return shared_pixels(g, a, ta, b, tb, dx, dy, most) > most
+
+
+@njit(cache=True, nogil=True)
+def shared_pixels(g, a, ta, b, tb, dx, dy, most):  # type: ignore[no-untyped-def]
+    """The number of pixels that both pieces cover, counted until there are more than `most`."""
+    wa, ha = g.size[a, ta % 2], g.size[a, 1 - ta % 2]
+    wb, hb = g.size[b, tb % 2], g.size[b, 1 - tb % 2]
     left, top, right, bottom = max(0, dx), max(0, dy), min(wa, dx + wb), min(ha, dy + hb)
     if left >= right or top >= bottom:
-        return False
-    most = g.slack * max(right - left, bottom - top)
+        return 0
     if g.full[a] and g.full[b]:
-        return (right - left) * (bottom - top) > most
+        return (right - left) * (bottom - top)
     both = 0
     for y in range(top, bottom):
         for x in range(left, right):
             if _belongs(g, a, ta, x, y) and _belongs(g, b, tb, x - dx, y - dy):
                 both += 1
                 if both > most:
-                    return True
-    return False
+                    return both
+    return both
 
 
 @njit(cache=True, nogil=True)

@@ -14,7 +14,7 @@ from .clusters import Layout, Trials, contact_total, held, merge
 from .contacts import Ground
 
 SURE, NEVER = 60.0, -60.0  # log odds that settle the order
-DOUBT = 6.0  # log odds below which a join that was made is doubted before one that was not made is forced
+DOUBT = 7.0  # log odds below which a join that was made is doubted
 BETTER = 0.5  # log odds by which a hypothesis must win
 LENIENT = 3.0  # log odds that every contact gains when the last pieces are filled in
 LAST = -60.0  # log odds that the last pieces need
@@ -69,7 +69,7 @@ def reconsidered(
         striking = np.stack([np.where(made, DOUBT - trials.odds, -np.inf), np.where(kept, -np.inf, trials.odds)])
         striking[tried] = -np.inf
         way, k = np.unravel_index(striking.argmax(), striking.shape)
-        if striking[way, k] <= (0.0 if way else -np.inf):
+        if striking[way, k] <= 0:
             break
         tried[way, k] = True
         other = best.odds.copy()

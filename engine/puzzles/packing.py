@@ -10,22 +10,22 @@ from collections.abc import Iterator
 import numpy as np
 from numba import njit
 
-from .clusters import Layout, barred, extent, near, support
+from .clusters import Layout, extent, near, parted, support
 from .contacts import FEATURES, Ground, _belongs
 from .hypotheses import room_around
 
-SWEEPS = (200, 2000)  # pieces tried from each side before giving up, at first and at last
+BUDGET, SHARE = 120_000, 2_500  # places looked at altogether, and from one side at first
 
 
 def packed(
     ground: Ground, start: Layout, layout: Layout, core: int, forbidden: np.ndarray, size: tuple[int, int], *,
-    fixed: bool, turned: bool, base: float, tries: int,
+    fixed: bool, turned: bool, base: float, most: int,
 ) -> Layout | None:  # fmt: skip
     """A layout that fills the picture of (w, h) pixels around the cluster named `core`, or None if none is found.
 
     The cluster is tried in the corners of the room that it has; where it is `fixed` it stays where it is. The rest is
     packed from each of the four sides, beginning with the one that the cluster is nearest to: there its outline leaves
-    the least choice. At most `tries` pieces are tried from each.
+    the least choice. At most `most` places of pieces are looked at from each side.
     """
     inside = layout.cluster == core
     left = np.flatnonzero(~inside)
@@ -38,7 +38,7 @@ def packed(
             result = rotated_layout(ground, moved, int(sweep), (w, h))
             room = (h, w) if sweep % 2 else (w, h)
             ways = np.arange(4) if turned else np.array([sweep])
-            if _pack(ground, result, inside.copy(), left, forbidden, *room, ways, base, tries):
+            if _pack(ground, result, inside.copy(), left, forbidden, *room, ways, base, most):
                 result.cluster[:] = core
                 return rotated_layout(ground, result, -int(sweep), room)
     return None
@@ -114,15 +114,11 @@ def _fits_row(g, left, used, run, chosen, width, ways):  # type: ignore[no-untyp
 def _worth(g, layout, inside, i, turns, x, y, forbidden, base, z):  # type: ignore[no-untyped-def]
     """What the contacts of piece i at (x, y) say, or minus infinity where one is forbidden."""
     total = 0.0
-    wi, hi = extent(g, i, turns)
     for b in range(len(inside)):
         dx, dy = layout.place[b, 0] - x, layout.place[b, 1] - y
         if not inside[b] or not near(g, i, turns, b, layout.turns[b], dx, dy):
             continue
-        wb, hb = extent(g, b, layout.turns[b])
-        if barred(forbidden, i, turns, b, layout.turns[b], dx, dy, wi, hi, wb, hb):
-            return -np.inf
-        if barred(forbidden, b, layout.turns[b], i, turns, -dx, -dy, wb, hb, wi, hi):
+        if parted(g, forbidden, i, turns, b, layout.turns[b], dx, dy):
             return -np.inf
         total += support(g, i, turns, b, layout.turns[b], dx, dy, -1, -1, base, z)[0]
     return total
@@ -145,7 +141,7 @@ def _pack(g, layout, inside, left, forbidden, width, height, ways, base, most): 
     state = np.zeros((n, n * len(ways), 4))  # of each depth: worth, index, turns, x; best last
     count, taken = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
     tops = np.zeros(n, dtype=np.int64)
-    depth, tries, fresh = 0, 0, True
+    depth, looked, fresh = 0, 0, True
     while depth < n:
         if fresh:
             top = tops[depth - 1] if depth else 0
@@ -165,6 +161,7 @@ def _pack(g, layout, inside, left, forbidden, width, height, ways, base, most): 
                 if used[k] or y < 0:
                     continue
                 for t in ways:
+                    looked += 1
                     wide, _ = extent(g, left[k], t)
                     first = 0
                     while not _belongs(g, left[k], t, first, 0):
@@ -180,8 +177,8 @@ def _pack(g, layout, inside, left, forbidden, width, height, ways, base, most): 
                         count[depth] += 1
             order = np.argsort(state[depth, : count[depth], 0], kind="mergesort")
             state[depth, : count[depth]] = state[depth, : count[depth]][order]
-        if count[depth] == 0 or tries >= most:
-            if depth == 0 or tries >= most:
+        if count[depth] == 0 or looked >= most:
+            if depth == 0 or looked >= most:
                 return False
             depth -= 1
             k = taken[depth]
@@ -190,7 +187,6 @@ def _pack(g, layout, inside, left, forbidden, width, height, ways, base, most): 
             used[k], inside[i], fresh = False, False, False
             continue
         count[depth] -= 1
-        tries += 1
         slot = state[depth, count[depth]]
         k, t, x = int(slot[1]), int(slot[2]), int(slot[3])
         i = left[k]

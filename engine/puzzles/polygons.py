@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..progress import Progress, share, silent
-from .alignments import Alignments, alignments, contest_features, with_slid
+from .alignments import Alignments, alignments, contest_features, refined, with_slid
 from .clusters import Layout, Trials
 from .contacts import LEARNED, Ground, all_odds, ground_of
 from .hypotheses import Hypothesis, Rules, filled, largest, put_together, reconsidered, room_around
 from .identity import size_of
 from .measures import CODES, IN_LAB, to_lab
-from .packing import SWEEPS, packed, rotated_layout
+from .packing import BUDGET, SHARE, packed, rotated_layout
 from .parameters import PuzzleParameters
 from .pieces import Piece, Puzzle
 from .placedjoins import joins_of_layout, likely_partners
@@ -73,6 +73,8 @@ def judged_candidates(
 ) -> tuple[Alignments, np.ndarray, np.ndarray]:
     """All candidates, what their log odds are made of (c, 7), and their log odds (c,)."""
     found = alignments(ground, sides.piece, features=len(model.form) - 1, turned=turned)
+    if ground.slack > 0:
+        found = refined(ground, found, all_odds(model.form, found.feature))
     found, odds, edge = with_slid(ground, found, all_odds(model.form, found.feature))
     seen = contest_features(found, odds, edge, len(sides))
     return found, seen, seen @ model.contest
@@ -129,15 +131,15 @@ def _without_gaps(
     area = sum(int(piece.mask.sum()) for piece in puzzle.pieces)
     if not rules.width or area != rules.width * rules.height or len(np.unique(layout.cluster)) == 1:
         return layout
-    for tries, least in ((tries, least) for tries in SWEEPS for least in SURER):
-        core = put_together(prepared.ground, start, trials._replace(odds=best.odds), rules, least).layout
-        found = packed(
-            prepared.ground, start, core, int(largest(core, 1, rules.fixed)[0]), rules.forbidden,
-            (rules.width, rules.height), fixed=rules.fixed >= 0, turned=puzzle.turned, base=rules.base,
-            tries=tries,
-        )  # fmt: skip
-        if found is not None:
-            return found
+    for most in (SHARE, BUDGET):
+        for least in SURER:
+            core = put_together(prepared.ground, start, trials._replace(odds=best.odds), rules, least).layout
+            found = packed(
+                prepared.ground, start, core, int(largest(core, 1, rules.fixed)[0]), rules.forbidden,
+                (rules.width, rules.height), fixed=rules.fixed >= 0, turned=puzzle.turned, base=rules.base, most=most,
+            )  # fmt: skip
+            if found is not None:
+                return found
     return layout
 
 
@@ -163,17 +165,21 @@ def _pictures(
         inside = layout.cluster == name
         on = np.flatnonzero(inside)
         here = layout
-        if rules.either_way and rules.width and (_extent(puzzle, layout, on) > frame).any():
+        if (
+            rules.either_way
+            and rules.width
+            and (_extent(puzzle, layout, on) > np.add(frame, 2 * prepared.ground.slack)).any()
+        ):
             here = rotated_layout(prepared.ground, layout, 1, frame[::-1])  # it lies on its side
         low, high = _corners(puzzle, here, on)
         if number == 0 and rules.fixed >= 0:
             shift = np.zeros(2, dtype=np.int64)
-        elif rules.width:
+        elif rules.width and (high - low <= frame).all():
             shift = np.array(room_around(prepared.ground, here, inside, frame)[0])
         else:
             shift = -low
         picture[on], position[on], turns[on] = number, here.place[on] + shift, here.turns[on]
-        sizes.append(frame if rules.width else tuple(high + shift))
+        sizes.append(tuple(np.maximum(frame, high + shift)))
     return picture, position, turns, np.array(sizes)
 
 

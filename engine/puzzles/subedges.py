@@ -13,6 +13,7 @@ from .pieces import Piece
 from .turning import turned_polygon
 
 SNAP = 1.01  # pixels that a traced corner may be off a level or upright side
+LITTLE = 0.2  # share of the pixels around a sample below which it is taken from the nearest one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,28 +91,33 @@ def _side_table(piece: Piece) -> tuple[np.ndarray, ...]:
     points = corners[side] + along[:, None] * vector[side]
     reach = np.where(level, 0.5, 1.0)
     depth = reach[side, None]
-    outer, inner = (sampled(piece, points + (depth + more) * inward[side], inward[side]) for more in (0, 1))
+    outer, inner = (sampled(piece, points + (depth + more) * inward[side]) for more in (0, 1))
     return start, np.roll(start, -1, axis=0), samples, outer, inner, length / samples, reach
 
 
-def sampled(piece: Piece, points: np.ndarray, inward: np.ndarray) -> np.ndarray:
+def sampled(piece: Piece, points: np.ndarray) -> np.ndarray:
     """Colours (p, 3) float32 at points (p, 2), mixed from the four pixels around that belong to the piece.
 
-    Where none does, the point is moved along `inward` (p, 2), at most three pixels.
+    Where hardly any does, as in a sharp corner, the colour is that of the nearest pixel that does.
     """
     h, w = piece.mask.shape
     colours, weight = np.zeros((len(points), 3)), np.zeros(len(points))
-    for move in (0.0, 0.5, 1.0, 2.0, 3.0):
-        empty = np.flatnonzero(weight < 0.2)
-        if not len(empty):
-            break
-        x, y = (points[empty] + move * inward[empty] - 0.5).T
-        left, top = np.floor(x + 1e-9).astype(int), np.floor(y + 1e-9).astype(int)
-        colours[empty], weight[empty] = 0, 0
-        for dy, dx in ((0, 0), (0, 1), (1, 0), (1, 1)):
-            part = np.maximum(1 - np.abs(x - left - dx), 0) * np.maximum(1 - np.abs(y - top - dy), 0)
-            row, column = np.clip(top + dy, 0, h - 1), np.clip(left + dx, 0, w - 1)
-            part = part * (piece.mask[row, column] & (row == top + dy) & (column == left + dx))
-            colours[empty] += part[:, None] * piece.image[row, column]
-            weight[empty] += part
-    return (colours / np.maximum(weight, 1e-9)[:, None]).astype(np.float32)
+    x, y = points.T - 0.5
+    left, top = np.floor(x + 1e-9).astype(int), np.floor(y + 1e-9).astype(int)
+    for dy, dx in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        part = np.maximum(1 - np.abs(x - left - dx), 0) * np.maximum(1 - np.abs(y - top - dy), 0)
+        row, column = np.clip(top + dy, 0, h - 1), np.clip(left + dx, 0, w - 1)
+        part = part * (piece.mask[row, column] & (row == top + dy) & (column == left + dx))
+        colours += part[:, None] * piece.image[row, column]
+        weight += part
+    colours /= np.maximum(weight, 1e-9)[:, None]
+    for k in np.flatnonzero(weight < LITTLE):
+        colours[k] = _nearest(piece, x[k], y[k])
+    return colours.astype(np.float32)
+
+
+def _nearest(piece: Piece, x: float, y: float) -> np.ndarray:
+    """The colour of the pixel of the piece whose centre is nearest, (x, y) counted from the first pixel's centre."""
+    rows, columns = np.nonzero(piece.mask)
+    k = ((rows - y) ** 2 + (columns - x) ** 2).argmin()
+    return piece.image[rows[k], columns[k]]

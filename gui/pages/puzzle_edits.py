@@ -188,7 +188,10 @@ def joins_of_piece(joins: Joins, piece: int) -> Joins:
 
 
 def shifted(puzzle: Puzzle, solution: PuzzleSolution, wishes: Wishes) -> tuple[PuzzleSolution, Wishes]:
-    """The same with each picture moved so that its pieces begin at (0, 0): without a known frame only that counts."""
+    """The same with each picture moved so that its pieces begin at (0, 0), and the pins with them.
+
+    Without a known frame only relative places count.
+    """
     size = turned_sizes(outlines(puzzle).size, solution.turns)
     step, sizes = np.zeros((puzzle.count, 2), np.int64), solution.sizes.copy()
     for k in range(len(sizes)):
@@ -196,8 +199,15 @@ def shifted(puzzle: Puzzle, solution: PuzzleSolution, wishes: Wishes) -> tuple[P
         if inside.any():
             step[inside] = solution.position[inside].min(axis=0)
             sizes[k] = (solution.position + size - step)[inside].max(axis=0)
-    if not step.any() and (sizes == solution.sizes).all():
-        return solution, wishes
-    pins = tuple(p._replace(x=p.x - int(step[p.piece, 0]), y=p.y - int(step[p.piece, 1])) for p in wishes.pinned)
     moved = replace(solution, position=solution.position - step, sizes=sizes)
-    return moved, replace(wishes, pinned=pins) if pins else wishes
+    pins = tuple(_follows(p, moved) for p in wishes.pinned)
+    wishes = wishes if pins == wishes.pinned else replace(wishes, pinned=pins)
+    return (moved if step.any() or (sizes != solution.sizes).any() else solution), wishes
+
+
+def _follows(held: Pin, solution: PuzzleSolution) -> Pin:
+    """A pin where a solution has its piece."""
+    if not solution.placed[held.piece]:
+        return held
+    x, y = solution.position[held.piece].tolist()
+    return held._replace(x=x, y=y)

@@ -17,9 +17,8 @@ def _puzzles() -> None:
     from .puzzles.solving import solve
 
     picture = np.random.default_rng(0).integers(0, 256, (64, 80, 3)).astype(np.uint8)
-    locked = Wishes(
-        Joins([[0, 1, 1, 3]], [[0, 0]], [0], [1.0]), Joins([[2, 1, 3, 3]], [[0, 0]], [0], [1.0]), (Pin(4, 0, 0),)
-    )
+    pair, zero, one = np.array([[0, 1, 1, 3], [2, 1, 3, 3]]), np.zeros((1, 2)), np.ones(1)
+    locked = Wishes(Joins(pair[:1], zero, zero[:, 0], one), Joins(pair[1:], zero, zero[:, 0], one), (Pin(4, 0, 0),))
     for turned in (False, True):
         puzzle = cut(picture, piece_size=16, turned=turned)[0]
         for method in ("auto", "diffusion", "matchlift"):

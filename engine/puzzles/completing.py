@@ -4,16 +4,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .blocks import Blocks, Rules, turn_cell
+from .blocks import Blocks, Rules, grow_blocks, turn_cell
 from .candidates import Candidates
 from .evidence import Evidence
 from .filling import EMPTY, best_place, cell_score, fill_cells, merge_by_contacts, rearrange, total_worth
+from .shifting import shift
 from .solution import UNPLACED
 from .turning import turned_vectors
 
 SURE, HOPEFUL = 2.0, -1.0  # log odds: what merges two blocks, and what makes a placement worth a look
 LOOSE, MOST_LOOSE = 1.5, 600  # mean log odds a contact below which a piece may be swapped, and how many may
 ROUNDS, PATIENCE = 40, 6  # of moving loose pieces
+STRICTER = (1.0, 2.5, 4.0, 6.0, 8.0)  # log odds of joins by which mixed pictures are tried to be kept apart
 BARELY = -3.0  # mean log odds a contact below which no piece is added where the frame is not known
 
 
@@ -45,31 +47,53 @@ class Layout(NamedTuple):
 
 
 def complete(
-    blocks: Blocks, candidates: Candidates, e: Evidence, rules: Rules, *,
+    blocks: Blocks, start: Blocks, candidates: Candidates, e: Evidence, rules: Rules, *,
     groups: np.ndarray, pin: Pinned | None, pictures: int, turned: bool, missing: bool,
 ) -> Layout:  # fmt: skip
-    """Complete the `pictures` largest blocks.
+    """Complete the `pictures` largest of the `blocks`, which have grown from `start`.
 
     Blocks are merged where their contacts say so; then where anything speaks for it. What is left goes into empty cells
     one piece at a time: wherever it does least harm if the frame is known, only where it fits if it is not. In the end
-    loosely held pieces are swapped while the sum of all log odds grows. `groups` (n,) int64 names pieces that people
-    have locked together, -1 for all others; a group is placed as it is or not at all.
+    loosely held pieces are moved, and whole rows and columns at the border, while the sum of all log odds grows.
+    `groups` (n,) int64 names pieces that people have locked together, -1 for all others; a group is placed as it is or
+    not at all.
     """
     blocks = merge_by_contacts(blocks, candidates, e, rules, least=SURE, hopeful=HOPEFUL)
+    if pictures > 1:
+        blocks = _several(blocks, start, candidates, e, rules, pictures)
     known = rules.frame is not None
     if pictures == 1:
         rules = with_guessed_frame(blocks, rules, turned, missing)
     mains = main_blocks(blocks, pictures, rules.anchored if pin is None else np.array([pin[0]]))
     rules = Rules(rules.frame, rules.either_way, rules.forbidden, rules.anchored, apart=mains)
-    if rules.frame is not None:
-        blocks = merge_by_contacts(blocks, candidates, e, rules, least=-60.0, hopeful=-4.0)
+    if rules.frame is not None or pictures > 1:
+        least, hopeful = (-60.0, -4.0) if rules.frame is not None else (SURE, HOPEFUL)
+        blocks = merge_by_contacts(blocks, candidates, e, rules, least=least, hopeful=hopeful)
         mains = blocks.block[mains]  # a larger block may have given them its name
     if not known and rules.frame is not None and pin is not None and (pin[3] - blocks.turns[pin[0]]) % 2:
-        rules = Rules(rules.frame[::-1], rules.either_way, rules.forbidden, rules.anchored, apart=mains)  # it turns along
+        rules = Rules(
+            rules.frame[::-1], rules.either_way, rules.forbidden, rules.anchored, apart=mains
+        )  # it turns along
     blocks = _as_pinned(blocks, pin)
     canvases = [_canvas(blocks, name, rules) for name in mains]
     pinned = -1 if pin is None else int(np.flatnonzero(mains == blocks.block[pin[0]])[0])
     return _together(canvases, pinned, blocks, e, rules, turned, groups)
+
+
+def _several(blocks: Blocks, start: Blocks, candidates: Candidates, e: Evidence, rules: Rules, pictures: int) -> Blocks:
+    """Blocks of which the `pictures` largest may each be a picture: where too few are large, joins must be likelier."""
+    n = len(blocks.block)
+    tried = []
+    for least in STRICTER:
+        sizes = np.sort(np.unique(blocks.block, return_counts=True)[1])[::-1]
+        smallest = sizes[pictures - 1] if len(sizes) >= pictures else 0
+        tried.append((int(smallest), blocks))
+        if smallest >= 0.25 * n / pictures:
+            return blocks
+        order = np.argsort(-e.logit, kind="stable")
+        grown = grow_blocks(candidates.pairs, order[e.logit[order] >= least], start, rules)[0]
+        blocks = merge_by_contacts(grown, candidates, e, rules, least=2 * least, hopeful=least)
+    return max(tried, key=lambda found: found[0])[1]
 
 
 def main_blocks(blocks: Blocks, pictures: int, anchored: np.ndarray) -> np.ndarray:
@@ -149,6 +173,8 @@ def _together(
             canvas.grid, np.concatenate([left[placed], _doubtful(canvas.grid, turns, e)]), rules, groups
         )
         rearrange(canvas.grid, turns, loose, turned, ROUNDS, PATIENCE, 0, e)
+        if rules.frame is not None and not canvas.anchored and len(canvases) == 1:
+            shift(canvas.grid, turns, loose, groups, turned, e)
         left = left[~placed]
         _read_off(canvas, k, canvas.anchored or pinned == k, layout)
         layout = layout._replace(worth=layout.worth + total_worth(canvas.grid, turns, e))

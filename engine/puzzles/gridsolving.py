@@ -121,7 +121,7 @@ def _order(
 
 def _completed(blocks: Blocks, job: GridJob, parameters: PuzzleParameters) -> Layout:
     return complete(
-        blocks, job.candidates, job.evidence, job.rules, groups=job.groups, pin=job.pin, pictures=job.puzzle.pictures,
+        blocks, job.start, job.candidates, job.evidence, job.rules, groups=job.groups, pin=job.pin, pictures=job.puzzle.pictures,
         turned=job.puzzle.turned, missing=parameters.missing)  # fmt: skip
 
 

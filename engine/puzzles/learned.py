@@ -63,5 +63,5 @@ def single_probability(measure: str, candidates: Candidates, strips: Strips) -> 
     """D and the calibrated probability (c,) by one measure alone: logistic in the logarithm of Gallagher's ratio N."""
     values = dissimilarity_of_pairs(measure, strips, candidates.pairs, parts=2)
     constant, slope = weights()["single"][measure]
-    ratio = np.log(gallagher_ratio(values, candidates))
+    ratio = np.log(np.maximum(gallagher_ratio(values, candidates), 1e-9))
     return values, exclusive(1 / (1 + np.exp(-(constant + slope * ratio).clip(-30, 30))), candidates)

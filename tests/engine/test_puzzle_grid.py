@@ -12,8 +12,12 @@ from engine.puzzles.assembly import by_linear_programme, closed_loops, loops_fir
 from engine.puzzles.blocks import Rules, grow_blocks, single_pieces
 from engine.puzzles.candidates import candidates_of, exclusive, loop_support, rival_values
 from engine.puzzles.cutting import cut, drop, mix
+from engine.puzzles.evidence import evidence
+from engine.puzzles.measures import side_strips
 from engine.puzzles.parameters import PuzzleParameters
+from engine.puzzles.scenery import landscape
 from engine.puzzles.scoring import right_joins, score
+from engine.puzzles.shifting import shift
 from engine.puzzles.solution import Joins, Pin, Wishes
 from engine.puzzles.solving import assemble, candidate_joins, prepare, solve
 from engine.puzzles.wearing import worn
@@ -180,6 +184,32 @@ def test_two_mixed_pictures_are_told_apart(picture):
     solution = solve(puzzle, FAST)
     assert len(solution.sizes) == 2
     assert score(puzzle, truth, solution).neighbour > 0.97
+
+
+def test_two_pictures_that_look_alike_are_told_apart():
+    """Their pieces would join; without a look at how many pictures there are, they become one."""
+    parts = [cut(landscape(224, 168, seed=seed), piece_size=28, seed=seed) for seed in (1, 2)]
+    puzzle, truth = mix(parts, seed=3)
+    assert score(puzzle, truth, solve(puzzle, FAST)).perfect
+
+
+def test_a_picture_that_ends_one_row_off_is_shifted():
+    """Every row joins the next as well as can be, but the last joins the first even better: the line is at the border."""
+    rows, columns = 5, 4
+    cells = np.arange(rows * columns).reshape(rows, columns)
+    sides = [(4 * cells[r, c] + RIGHT, 4 * cells[r, c + 1] + LEFT) for r in range(rows) for c in range(columns - 1)]
+    sides += [(4 * cells[r, c] + BOTTOM, 4 * cells[r + 1, c] + TOP) for r in range(rows - 1) for c in range(columns)]
+    found = found_of(sides, rows * columns)
+    rasters = np.random.default_rng(0).integers(0, 256, (rows * columns, 6, 6, 3)).astype(np.uint8)
+    e = evidence(side_strips(rasters), found, np.full(len(sides), 0.99))
+    grid, turns = np.roll(cells, 1, axis=0), np.zeros(rows * columns, dtype=np.int64)
+    shift(grid, turns, np.zeros((0, 2), dtype=np.int64), np.full(rows * columns, -1), False, e)
+    assert (grid == cells).all()
+    locked = np.full(rows * columns, -1)
+    grid = np.roll(cells, 1, axis=0)
+    locked[grid[:2, 0]] = 0  # the wrong line is locked: it stays
+    shift(grid, turns, np.zeros((0, 2), dtype=np.int64), locked, False, e)
+    assert (grid == np.roll(cells, 1, axis=0)).all()
 
 
 def test_identical_pieces_make_a_picture():

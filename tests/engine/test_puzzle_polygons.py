@@ -9,7 +9,7 @@ from PIL import Image
 from assets import example_picture
 from engine.errors import BadInput, Cancelled
 from engine.puzzles.alignments import FIRST, LAST, alignments, contest
-from engine.puzzles.clusters import Layout, Trials, apart, bounds, contact_total, held, merge, movement, rotated
+from engine.puzzles.clusters import Layout, Trials, apart, bounds, contact_total, held, movement, rotated
 from engine.puzzles.contacts import overlapping, statistics, touching, unlikeness
 from engine.puzzles.cutting import cut, drop, mix
 from engine.puzzles.hypotheses import Rules, put_together, room_around

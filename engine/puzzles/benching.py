@@ -14,15 +14,18 @@ from ..errors import BadInput
 from ..progress import Progress, share, silent
 from ..spreadsheet import safe_cell
 from ..store import write_atomically
-from .gathering import Cutting, cut_images
+from . import learned, polygonmodels
+from .gathering import Cutting, cut_images, without_frame
 from .imagefile import plain_text
 from .parameters import PuzzleParameters
 from .piecefolder import image_files
+from .pieces import Puzzle, Truth
 from .scoring import score
 from .solving import assemble, prepare
-from .wearing import WEAR, worn
+from .wearing import WEAR, check_wear, worn
 
-FORM = "1"  # of what a run file holds; old ones are made anew
+FORM = "2"  # of what a run file holds; old ones are made anew
+FITTED = (learned.FILE, polygonmodels.FILE)  # the numbers behind every probability
 NO_WEAR = "none"
 NAMING = ("image", "wear", "measure", "method")  # columns of words; the others are numbers
 HEAD = ("image", "seed", "wear", "measure", "method", "pieces", "direct", "neighbour", "perfect", "direct_tie_aware",
@@ -42,7 +45,11 @@ class Plan(NamedTuple):
 
 
 def checked_plan(plan: Plan) -> Plan:
-    """The plan, or `BadInput` in one sentence for what cannot be run; every picture is read and cut to find out."""
+    """The plan, each thing named in it once, or `BadInput` in one sentence for what cannot be run.
+
+    Every picture is read and cut to find out.
+    """
+    plan = plan._replace(**{name: tuple(dict.fromkeys(getattr(plan, name))) for name in ("seeds", "wear", "measures", "methods")})
     if not image_files(plan.folder):
         raise BadInput(f"The folder {plan.folder} holds no images; name a folder of pictures to cut.")
     for kind in plan.wear:
@@ -55,7 +62,10 @@ def checked_plan(plan: Plan) -> Plan:
             plan.parameters.changed(measure=measure, method=method)
     for image in image_files(plan.folder):
         try:
-            cut_images([image], plan.how)
+            puzzle, _ = cut_images([image], plan.how)
+            for kind in plan.wear:
+                if kind != NO_WEAR:
+                    check_wear(puzzle, kind)
         except BadInput as error:
             raise BadInput(str(error) if image.name in str(error) else f"{image}: {error}") from None
     return plan
@@ -65,39 +75,55 @@ def run_plan(plan: Plan, runs: Path, *, progress: Progress = silent) -> list[dic
     """Run what has not been run; each result is kept in a file of the folder `runs`. Returns all results in order."""
     images = image_files(plan.folder)
     groups = [(image, seed, wear) for image in images for seed in plan.seeds for wear in plan.wear]
+    fitted = tuple(hashlib.sha256(file.read_bytes()).hexdigest() for file in FITTED)
     results: list[dict[str, Any]] = []
     for k, (image, seed, wear) in enumerate(groups):
         step = share(progress, k / len(groups), (k + 1) / len(groups))
-        results += _group(plan, image, seed, wear, runs, step)
+        results += _group(plan, image, seed, wear, runs, fitted, step)
     progress(1.0, "done")
     return results
 
 
-def _group(plan: Plan, image: Path, seed: int, wear: str, runs: Path, progress: Progress) -> Iterator[dict[str, Any]]:
-    """All measures and methods on one puzzle, which is cut and prepared only where something is left to run."""
+def _group(
+    plan: Plan, image: Path, seed: int, wear: str, runs: Path, fitted: tuple[str, ...], progress: Progress
+) -> Iterator[dict[str, Any]]:
+    """All measures and methods on one puzzle, which is cut and prepared only where something is left to run.
+
+    A result is kept by all that it depends on: the picture, how it was cut and worn, the parameters, the version and
+    the digests of the `fitted` numbers.
+    """
     content = hashlib.sha256(image.read_bytes()).hexdigest()
     made = None
     for number, measure in enumerate(plan.measures):
         prepared = None
         part = share(progress, number / len(plan.measures), (number + 1) / len(plan.measures))
-        for method in plan.methods:
+        for turn, method in enumerate(plan.methods):
+            assembly = share(part, 0.6 + 0.4 * turn / len(plan.methods), 0.6 + 0.4 * (turn + 1) / len(plan.methods))
             parameters = plan.parameters.changed(measure=measure, method=method)
             values = sorted(parameters.model_dump().items())
-            key = (FORM, version("concord-correspondences"), content, seed, wear, *plan.how._replace(seed=seed), values)
+            how = plan.how._replace(seed=seed)
+            key = (FORM, version("concord-correspondences"), *fitted, content, seed, wear, *how, values)
             path = runs / f"{hashlib.sha256(repr(key).encode()).hexdigest()[:24]}.json"
             found = _kept(path)
             if found is None:
                 if made is None:
-                    made = cut_images([image], plan.how._replace(seed=seed))
-                    made = made if wear == NO_WEAR else worn(*made, wear, seed)
+                    made = _made(image, how, wear, plan.parameters.frame == "unknown")
                 if prepared is None:
                     prepared = prepare(made[0], parameters, progress=share(part, 0.0, 0.6))
-                part(0.6, f"{image.name}: {method}")
-                solution = assemble(prepared, parameters, progress=share(part, 0.6, 1.0))
+                assembly(0.0, f"{image.name}: {method}")
+                solution = assemble(prepared, parameters, progress=assembly)
                 seconds = sum(solution.seconds.values())
                 found = {"pieces": made[0].count, **asdict(score(*made, solution)), "seconds": round(seconds, 4)}
                 write_atomically(path, json.dumps(found) + "\n")
             yield {"image": plain_text(image.name), "seed": seed, "wear": wear, "measure": measure, "method": method, **found}
+
+
+def _made(image: Path, how: Cutting, wear: str, frame_unknown: bool) -> tuple[Puzzle, Truth]:
+    """A picture cut and worn; an unknown frame is known neither to the solver nor to the scores."""
+    puzzle, truth = cut_images([image], how)
+    if wear != NO_WEAR:
+        puzzle, truth = worn(puzzle, truth, wear, how.seed)
+    return (without_frame(puzzle) if frame_unknown else puzzle), truth
 
 
 def _kept(path: Path) -> dict[str, Any] | None:

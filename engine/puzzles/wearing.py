@@ -5,6 +5,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..errors import BadInput
+from .dissection import SMALLEST
 from .pieces import Piece, Puzzle, Truth, rectangle
 
 Wearing = Callable[[np.ndarray, np.random.Generator], np.ndarray]
@@ -42,17 +44,28 @@ def _bytes(values: np.ndarray) -> np.ndarray:
     return np.clip(np.round(values), 0, 255).astype(np.uint8)
 
 
+ERODED = {"eroded 1": 1, "eroded 2": 2, "eroded 3": 3}  # pixels lost from every side
 WEAR: dict[str, Wearing] = {
-    "eroded 1": eroded(1), "eroded 2": eroded(2), "eroded 3": eroded(3), "jpeg 90": compressed(90),
+    **{kind: eroded(px) for kind, px in ERODED.items()}, "jpeg 90": compressed(90),
     "noise 3": noisy(3.0), "gain 5": uneven(0.05),
 }  # fmt: skip
+
+
+def check_wear(puzzle: Puzzle, kind: str) -> None:
+    """Raise `BadInput` where `kind` leaves too little of the pieces of a square puzzle to compare."""
+    px = puzzle.pieces[0].image.shape[0]
+    lost = 2 * ERODED.get(kind, 0)
+    if px - lost < SMALLEST:
+        raise BadInput(f"The wear '{kind}' takes {lost} of the {px} pixels across a piece and must leave at least {SMALLEST}; "
+                       f"cut pieces of {SMALLEST + lost} pixels or more.")  # fmt: skip
 
 
 def worn(puzzle: Puzzle, truth: Truth, kind: str, seed: int) -> tuple[Puzzle, Truth]:
     """A square puzzle whose pieces have suffered `kind` (a key of `WEAR`); the same seed gives the same pieces.
 
-    Eroded pieces are smaller; frame and true places shrink with them.
+    Eroded pieces are smaller; frame and true places shrink with them. Raises `BadInput` where too little is left.
     """
+    check_wear(puzzle, kind)
     rng = np.random.default_rng(seed)
     rasters = [WEAR[kind](piece.image, rng) for piece in puzzle.pieces]
     pieces = tuple(

@@ -7,13 +7,17 @@ import os
 import numpy as np
 import pytest
 from PIL import Image
+from puzzle_world import solved
 from test_puzzle_imagefile import huge_png
 
 from assets import example_picture
 from engine.__main__ import main, parameter_text
-from engine.puzzles.benching import by_image, overview, to_markdown
+from engine.puzzles import benching
+from engine.puzzles.benching import Plan, by_image, checked_plan, overview, run_plan, to_markdown
+from engine.puzzles.gathering import Cutting
 from engine.puzzles.parameters import PuzzleParameters
 from engine.puzzles.scenery import landscape
+from engine.puzzles.solution import no_joins
 from engine.puzzles.solutionfile import read_solution
 
 FAST = ["--measure", "mgc", "--method", "mst"]
@@ -250,8 +254,6 @@ def bench(*more):
 
 
 def test_the_benchmark_makes_tables_and_goes_on(here, scene, monkeypatch, capsys):
-    from engine.puzzles import benching
-
     (here / "pictures").mkdir()
     for k in range(2):
         Image.fromarray(scene[:, 24 * k :]).save(here / "pictures" / f"{k}.png")
@@ -280,6 +282,8 @@ def test_the_benchmark_makes_tables_and_goes_on(here, scene, monkeypatch, capsys
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [(["small"], "small/1.png: A picture of 20"), (["nowhere"], "not a folder"), ([".", "--wear", "mud"], "no wear 'mud'"),
+     ([".", "--wear", "none", "eroded 3", "--piece-size", "6"], "scene.png: The wear 'eroded 3' takes 6 of the 6 pixels"),
+     ([".", "--wear", "eroded 2", "--piece-size", "7"], "leave at least 4"),
      (["empty"], "holds no images"), ([".", "--methods", "magic"], "'method' cannot"),
      ([".", "--seeds", "-1"], "--seed cannot"), ([".", "--cut", "merged", "--wear", "jpeg 90"], "is for squares")],
 )  # fmt: skip
@@ -291,6 +295,68 @@ def test_a_benchmark_that_cannot_be_run_is_said(here, capsys, arguments, words):
     assert main(["bench", "puzzles", *arguments, "--out", "bench"]) == 2
     assert words in capsys.readouterr().err
     assert not (here / "bench").exists()
+
+
+@pytest.fixture
+def plan(here):
+    """Two ways on the one picture of the folder."""
+    (here / "runs").mkdir()
+    how = Cutting("squares", None, 24, False, 0, 0.0)
+    return Plan(here, how, (0,), ("none",), ("mgc",), ("mst", "greedy"), PuzzleParameters())
+
+
+def test_what_is_named_twice_is_run_once(here, plan):
+    twice = checked_plan(plan._replace(seeds=(0, 0), wear=("none",) * 2, measures=("mgc",) * 2, methods=("mst", "greedy", "mst")))
+    assert twice == plan
+    assert main(["bench", "puzzles", ".", "--piece-size", "24", "--out", "out", "--methods", "mst", "mst", "--measures", "ssd"]) == 0
+    assert len(list(csv.DictReader((here / "out/runs.csv").open()))) == 1
+
+
+def test_pieces_may_be_worn_down_to_the_smallest_size(plan):
+    assert checked_plan(plan._replace(how=plan.how._replace(piece_size=8), wear=("eroded 2",)))
+
+
+@pytest.mark.parametrize("frame", ["known", "unknown"])
+def test_an_unknown_frame_is_hidden_from_solver_and_scores_of_the_benchmark(here, plan, monkeypatch, frame):
+    """A picture put together one column off is right where no frame is known, and all wrong where one is."""
+    seen = []
+
+    def assembled_aside(prepared, parameters, **_):
+        puzzle, truth = benching.cut_images([here / "scene.png"], plan.how)
+        seen.append(prepared.puzzle.frame)
+        return solved(puzzle, truth, no_joins(), position=truth.position + np.array([24, 0]))
+
+    monkeypatch.setattr(benching, "assemble", assembled_aside)
+    results = run_plan(plan._replace(parameters=PuzzleParameters(frame=frame)), here / "runs")
+    assert seen == [(192, 144) if frame == "known" else None] * 2
+    assert [r["direct"] for r in results] == [0.0 if frame == "known" else 1.0] * 2
+
+
+def test_runs_are_made_anew_where_the_fitted_numbers_have_changed(here, plan, monkeypatch):
+    copies = [here / file.name for file in benching.FITTED]
+    assert {file.name for file in copies} == {"learned.json", "polygonmodels.json"}
+    for copy, file in zip(copies, benching.FITTED, strict=True):
+        copy.write_bytes(file.read_bytes())
+    monkeypatch.setattr(benching, "FITTED", tuple(copies))
+    for made, copy in enumerate([None, None, *copies]):
+        if copy is not None:
+            copy.write_bytes(copy.read_bytes() + b"\n")
+        run_plan(plan, here / "runs")
+        assert len(list((here / "runs").iterdir())) == 2 * max(made, 1)
+
+
+@pytest.mark.parametrize("kept", [0, 1])
+def test_the_progress_of_the_benchmark_never_runs_backwards(here, plan, kept):
+    """Two measures with three methods each, nothing or the first of them done before."""
+    plan = plan._replace(measures=("mgc", "ssd"), methods=("mst", "greedy", "loops"))
+    if kept:
+        run_plan(plan._replace(methods=("mst",)), here / "runs")
+    shares = []
+    run_plan(plan, here / "runs", progress=lambda share, words: shares.append(share))
+    assert len(shares) > 8
+    assert min(np.diff(shares)) >= -1e-12
+    assert min(shares) >= 0
+    assert shares[-1] == 1.0
 
 
 def run(image, perfect, direct):

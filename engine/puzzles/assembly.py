@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from ..progress import Progress
-from .blocks import STEP_X, STEP_Y, Blocks, Rules, grow_blocks, single_pieces
+from .blocks import STEP_X, STEP_Y, Blocks, Rules, grow_blocks
 from .candidates import Candidates, rival_values
 
 
@@ -152,8 +152,3 @@ def _fit_positions(ends: np.ndarray, step: np.ndarray, weight: np.ndarray, n: in
     bounds = [(None, None)] * n + [(0, None)] * (2 * c)
     solved = linprog(cost, A_eq=equal, b_eq=step, bounds=bounds, method="highs")
     return solved.x[:n]
-
-
-def build(order: np.ndarray, candidates: Candidates, start: Blocks | None, rules: Rules, n: int) -> Blocks:
-    """The blocks that joining in this order makes."""
-    return grow_blocks(candidates.pairs, order, start if start is not None else single_pieces(n), rules)[0]

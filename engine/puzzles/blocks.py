@@ -147,7 +147,7 @@ def _grow(pairs, order, block, x, y, turns, width, height, either_way, once, for
     for a in order:
         i, s, j, t = pairs[a, 0] // 4, pairs[a, 0] % 4, pairs[a, 1] // 4, pairs[a, 1] % 4
         p, q = block[i], block[j]
-        if size[p] < size[q]:
+        if anchored[q] or (size[p] < size[q] and not anchored[p]):  # what has its place in the frame is not moved
             i, s, j, t = j, t, i, s
             p, q = q, p
         d = (s + turns[i]) % 4
@@ -160,7 +160,9 @@ def _grow(pairs, order, block, x, y, turns, width, height, either_way, once, for
         k = (goal_turns - turns[j]) % 4
         jx, jy = turn_cell(x[j], y[j], k)
         dx, dy = goal_x - jx, goal_y - jy
-        if not _fits(box, p, q, k, dx, dy, width, height, either_way) or _overlaps(keys, p, q, k, dx, dy, x, y, after):
+        if not _fits(box, p, q, k, dx, dy, width, height, either_way and not anchored[p]):
+            continue
+        if _overlaps(keys, p, q, k, dx, dy, x, y, after):
             continue
         if _touches(forbidden, block, x, y, turns, p, q, k, dx, dy):
             continue

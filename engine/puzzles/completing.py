@@ -4,9 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import BadInput
+from ..progress import Progress, share
 from .blocks import Blocks, Rules, grow_blocks, turn_cell
 from .candidates import Candidates
-from .evidence import Evidence
+from .evidence import Evidence, kinds_of
 from .filling import EMPTY, best_place, cell_score, fill_cells, merge_by_contacts, rearrange, total_worth
 from .shifting import shift
 from .solution import UNPLACED
@@ -48,27 +50,28 @@ class Layout(NamedTuple):
 
 def complete(
     blocks: Blocks, start: Blocks, candidates: Candidates, e: Evidence, rules: Rules, *,
-    groups: np.ndarray, pin: Pinned | None, pictures: int, turned: bool, missing: bool,
+    groups: np.ndarray, pin: Pinned | None, pictures: int, turned: bool, missing: bool, progress: Progress,
 ) -> Layout:  # fmt: skip
     """Complete the `pictures` largest of the `blocks`, which have grown from `start`.
 
     Blocks are merged where their contacts say so; then where anything speaks for it. What is left goes into empty cells
     one piece at a time: wherever it does least harm if the frame is known, only where it fits if it is not. In the end
     loosely held pieces are moved, and whole rows and columns at the border, while the sum of all log odds grows.
-    `groups` (n,) int64 names pieces that people have locked together, -1 for all others; a group is placed as it is or
-    not at all.
+    `groups` (n,) int64 names pieces that people have locked together, -1 for all others; a group is placed as it is, and
+    others make room for it. Raises `BadInput` where there is no place for one.
     """
-    blocks = merge_by_contacts(blocks, candidates, e, rules, least=SURE, hopeful=HOPEFUL)
+    merging = share(progress, 0.0, 0.3)
+    blocks = merge_by_contacts(blocks, candidates, e, rules, least=SURE, hopeful=HOPEFUL, progress=merging)
     if pictures > 1:
-        blocks = _several(blocks, start, candidates, e, rules, pictures)
+        blocks = _several(blocks, start, candidates, e, rules, pictures, merging)
     known = rules.frame is not None
-    if pictures == 1:
-        rules = with_guessed_frame(blocks, rules, turned, missing)
     mains = main_blocks(blocks, pictures, rules.anchored if pin is None else np.array([pin[0]]))
+    if pictures == 1:
+        rules = with_guessed_frame(blocks, int(mains[0]), rules, missing)
     rules = Rules(rules.frame, rules.either_way, rules.forbidden, rules.anchored, apart=mains)
     if rules.frame is not None or pictures > 1:
         least, hopeful = (-60.0, -4.0) if rules.frame is not None else (SURE, HOPEFUL)
-        blocks = merge_by_contacts(blocks, candidates, e, rules, least=least, hopeful=hopeful)
+        blocks = merge_by_contacts(blocks, candidates, e, rules, least=least, hopeful=hopeful, progress=merging)
         mains = blocks.block[mains]  # a larger block may have given them its name
     if not known and rules.frame is not None and pin is not None and (pin[3] - blocks.turns[pin[0]]) % 2:
         rules = Rules(
@@ -77,10 +80,12 @@ def complete(
     blocks = _as_pinned(blocks, pin)
     canvases = [_canvas(blocks, name, rules) for name in mains]
     pinned = -1 if pin is None else int(np.flatnonzero(mains == blocks.block[pin[0]])[0])
-    return _together(canvases, pinned, blocks, e, rules, turned, groups)
+    return _together(canvases, pinned, blocks, e, rules, turned, groups, share(progress, 0.3, 1.0))
 
 
-def _several(blocks: Blocks, start: Blocks, candidates: Candidates, e: Evidence, rules: Rules, pictures: int) -> Blocks:
+def _several(
+    blocks: Blocks, start: Blocks, candidates: Candidates, e: Evidence, rules: Rules, pictures: int, progress: Progress
+) -> Blocks:
     """Blocks of which the `pictures` largest may each be a picture: where too few are large, joins must be likelier."""
     n = len(blocks.block)
     tried = []
@@ -92,7 +97,7 @@ def _several(blocks: Blocks, start: Blocks, candidates: Candidates, e: Evidence,
             return blocks
         order = np.argsort(-e.logit, kind="stable")
         grown = grow_blocks(candidates.pairs, order[e.logit[order] >= least], start, rules)[0]
-        blocks = merge_by_contacts(grown, candidates, e, rules, least=2 * least, hopeful=least)
+        blocks = merge_by_contacts(grown, candidates, e, rules, least=2 * least, hopeful=least, progress=progress)
     return max(tried, key=lambda found: found[0])[1]
 
 
@@ -103,15 +108,17 @@ def main_blocks(blocks: Blocks, pictures: int, anchored: np.ndarray) -> np.ndarr
     return names[np.lexsort((names, -counts, ~first))][:pictures]
 
 
-def with_guessed_frame(blocks: Blocks, rules: Rules, turned: bool, missing: bool) -> Rules:
-    """Where no frame is known and no piece is missing: the size that n pieces make and the largest block fits best."""
+def with_guessed_frame(blocks: Blocks, main: int, rules: Rules, missing: bool) -> Rules:
+    """Where no frame is known and no piece is missing: the size that n pieces make and that fits the main block and the
+    largest one best, if that holds half of the pieces."""
     if rules.frame is not None or missing or len(rules.anchored):
         return rules
     n = len(blocks.block)
-    on = blocks.block == main_blocks(blocks, 1, rules.anchored)[0]
-    w, h = (int(np.ptp(c[on])) + 1 for c in (blocks.x, blocks.y))
+    largest = main_blocks(blocks, 1, rules.anchored)[0]
+    spans = [[int(np.ptp(c[blocks.block == name])) + 1 for c in (blocks.x, blocks.y)] for name in (main, largest)]
+    w, h = np.max(spans, axis=0).tolist()
     sizes = [(a, n // a) for a in range(1, n + 1) if n % a == 0 and a >= w and n // a >= h]
-    if not sizes or on.sum() < 0.5 * n:
+    if not sizes or (blocks.block == largest).sum() < 0.5 * n:
         return rules
     frame = min(sizes, key=lambda size: size[0] - w + size[1] - h)
     return Rules(frame, False, rules.forbidden, rules.anchored)
@@ -142,8 +149,10 @@ def _canvas(blocks: Blocks, name: int, rules: Rules) -> _Canvas:
         room_x = room_y = min(30, len(blocks.block))
     else:
         width, height = rules.frame
-        if rules.either_way and (
-            w > width or h > height or ((w > h) != (width > height) and h <= width and w <= height)
+        if (
+            rules.either_way
+            and not anchored
+            and (w > width or h > height or ((w > h) != (width > height) and h <= width and w <= height))
         ):
             width, height = height, width
         room_x, room_y = width - w, height - h
@@ -155,26 +164,27 @@ def _canvas(blocks: Blocks, name: int, rules: Rules) -> _Canvas:
 
 
 def _together(
-    canvases: list[_Canvas], pinned: int, blocks: Blocks, e: Evidence, rules: Rules, turned: bool, groups: np.ndarray
-) -> Layout:
+    canvases: list[_Canvas], pinned: int, blocks: Blocks, e: Evidence, rules: Rules, turned: bool, groups: np.ndarray,
+    progress: Progress,
+) -> Layout:  # fmt: skip
     """Fill all canvases with what is left, best first, and read the layout off them."""
     n = len(blocks.block)
     turns = np.array(blocks.turns)
     held = np.isin(blocks.block, [blocks.block[c.grid[c.grid != EMPTY][0]] for c in canvases])
     left = np.flatnonzero(~held & (groups < 0))
     waiting = [np.flatnonzero(groups == g) for g in np.unique(groups[~held & (groups >= 0)])]
+    left = _with_groups(sorted(waiting, key=len, reverse=True), canvases, blocks, left, turns, turned, groups, e)
     layout = Layout(np.full(n, UNPLACED), np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64), turns, 0.0)
     least = -1e9 if rules.frame is not None and len(canvases) == 1 else BARELY
     for k, canvas in enumerate(canvases):
-        waiting = [group for group in waiting if not _place_group(group, blocks, canvas, turns, turned, e)]
-        everywhere = np.ones(canvas.grid.shape, dtype=bool)
-        placed = fill_cells(canvas.grid, turns, left, everywhere, canvas.width, canvas.height, turned, least, e)
+        here = share(progress, k / len(canvases), (k + 1) / len(canvases))
+        placed = _filled(canvas, turns, left, turned, least, e, share(here, 0.0, 0.6))
         loose = _loose_cells(
             canvas.grid, np.concatenate([left[placed], _doubtful(canvas.grid, turns, e)]), rules, groups
         )
-        rearrange(canvas.grid, turns, loose, turned, ROUNDS, PATIENCE, 0, e)
+        rearrange(canvas.grid, turns, loose, turned, ROUNDS, PATIENCE, 0, e, share(here, 0.6, 0.9))
         if rules.frame is not None and not canvas.anchored and len(canvases) == 1:
-            shift(canvas.grid, turns, loose, groups, turned, e)
+            shift(canvas.grid, turns, loose, groups, turned, e, share(here, 0.9, 1.0))
         left = left[~placed]
         _read_off(canvas, k, canvas.anchored or pinned == k, layout)
         layout = layout._replace(worth=layout.worth + total_worth(canvas.grid, turns, e))
@@ -201,24 +211,70 @@ def _doubtful(grid: np.ndarray, turns: np.ndarray, e: Evidence) -> np.ndarray:
     return np.array([piece for _, piece in sorted(found)[:MOST_LOOSE]], dtype=np.int64)
 
 
-def _place_group(
-    group: np.ndarray, blocks: Blocks, canvas: _Canvas, turns: np.ndarray, turned: bool, e: Evidence
-) -> bool:
-    """Put a locked group where its contacts are best; False where there is no room for it."""
+def _filled(
+    canvas: _Canvas, turns: np.ndarray, left: np.ndarray, turned: bool, least: float, e: Evidence, progress: Progress
+) -> np.ndarray:
+    """Fill the cells of a canvas part by part, so that it can be stopped; which of `left` were placed, (m,) bool."""
+    placed = np.zeros(len(left), dtype=bool)
+    kind = kinds_of(e)[left]
+    part = max(100, len(left) // 8)
+    while True:
+        progress(float(placed.mean()) if len(left) else 1.0, "filling cells")
+        rest = np.flatnonzero(~placed)
+        rest = rest[np.argsort(kind[rest], kind="stable")]
+        done = fill_cells(
+            canvas.grid, turns, left[rest], kind[rest], canvas.width, canvas.height, turned, least, part, e
+        )
+        placed[rest[done]] = True
+        if done.sum() < part:
+            return placed
+
+
+def _with_groups(
+    waiting: list[np.ndarray], canvases: list[_Canvas], blocks: Blocks, left: np.ndarray, turns: np.ndarray, turned: bool,
+    groups: np.ndarray, e: Evidence,
+) -> np.ndarray:  # fmt: skip
+    """Place locked groups where they fit best, among free cells or in the place of pieces that are not locked.
+
+    Returns the pieces that are left to place. Raises `BadInput` where a group has no place on any canvas.
+    """
+    for group in waiting:
+        for evict in (False, True):
+            made = next((room for canvas in canvases if (room := _make_room(
+                group, canvas, blocks, turns, turned, groups, evict, e)) is not None), None)  # fmt: skip
+            if made is not None:
+                left = np.concatenate([left, made])
+                break
+        else:
+            raise BadInput(
+                f"The locked joins of piece {group[0]} and {len(group) - 1} other(s) leave no place for them in the picture; "
+                "unlock one of them.")  # fmt: skip
+    return left
+
+
+def _make_room(
+    group: np.ndarray, canvas: _Canvas, blocks: Blocks, turns: np.ndarray, turned: bool, groups: np.ndarray, evict: bool,
+    e: Evidence,
+) -> np.ndarray | None:  # fmt: skip
+    """Put a locked group onto a canvas; the pieces that had to leave, or None where there is no place for it."""
+    movable = (groups < 0) & evict
     best, row, column, k = best_place(
-        canvas.grid, turns, group, blocks.x[group], blocks.y[group], blocks.turns[group], canvas.width, canvas.height,
-        turned, e)  # fmt: skip
+        canvas.grid, turns, group, blocks.x[group], blocks.y[group], blocks.turns[group], movable, canvas.width,
+        canvas.height, turned, e)  # fmt: skip
     if best == -np.inf:
-        return False
+        return None
+    gone = []
     for piece in group:
         x, y = turn_cell(blocks.x[piece], blocks.y[piece], k)
+        if canvas.grid[row + y, column + x] != EMPTY:
+            gone.append(canvas.grid[row + y, column + x])
         canvas.grid[row + y, column + x] = piece
         turns[piece] = (blocks.turns[piece] + k) % 4
-    return True
+    return np.array(gone, dtype=np.int64)
 
 
 def _loose_cells(grid: np.ndarray, pieces: np.ndarray, rules: Rules, groups: np.ndarray) -> np.ndarray:
-    pieces = np.setdiff1d(pieces[groups[pieces] < 0], rules.anchored)[:MOST_LOOSE]
+    pieces = pieces[(groups[pieces] < 0) & ~np.isin(pieces, rules.anchored)][:MOST_LOOSE]
     return np.argwhere(np.isin(grid, pieces) & (grid != EMPTY))
 
 

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 
 from .candidates import Candidates, rival_values
 from .measures import Strips, dissimilarity_of_pairs, gradient_statistics, mgc
@@ -29,6 +29,13 @@ class Evidence(NamedTuple):
     mean: np.ndarray
     inverse: np.ndarray
     best: np.ndarray
+
+
+def kinds_of(e: Evidence) -> np.ndarray:
+    """A number (n,) int64 for each piece: equal for pieces whose borders are the same pixel by pixel."""
+    sides = e.outer.reshape(len(e.outer) // 4, -1)
+    seen: dict[bytes, int] = {}
+    return np.array([seen.setdefault(row.tobytes(), len(seen)) for row in sides], dtype=np.int64)
 
 
 def log_odds(probability: np.ndarray) -> np.ndarray:
@@ -73,3 +80,10 @@ def fit(e, r, c):  # type: ignore[no-untyped-def]
     value = mgc(e.outer[r], e.mean[r], e.inverse[r], e.outer[c], e.mean[c], e.inverse[c], 1.0, True)
     ratio = (value + 1e-3 * e.outer.shape[1]) / min(e.best[r], e.best[c])
     return max(UNLISTED - 2.0 * np.log(max(ratio, 1.0)), -LIMIT)
+
+
+@njit(cache=True, nogil=True, parallel=True)
+def fits(e, sides, result):  # type: ignore[no-untyped-def]
+    """Log odds (j,) of the pairs of side rows (j, 2)."""
+    for a in prange(len(sides)):
+        result[a] = fit(e, sides[a, 0], sides[a, 1])

@@ -1,8 +1,11 @@
 """Completing a picture: blocks joined by the sum of their contacts, then single pieces in the cells that are left."""
 
+import itertools
+
 import numpy as np
 from numba import njit, prange
 
+from ..progress import Progress
 from .blocks import STEP_X, STEP_Y, Blocks, Rules, cell_key, grow_blocks, slot_of, turn_cell
 from .candidates import Candidates
 from .evidence import NEVER, Evidence, fit
@@ -11,14 +14,16 @@ EMPTY = -1
 
 
 def merge_by_contacts(
-    blocks: Blocks, candidates: Candidates, e: Evidence, rules: Rules, *, least: float, hopeful: float
-) -> Blocks:
+    blocks: Blocks, candidates: Candidates, e: Evidence, rules: Rules, *, least: float, hopeful: float,
+    progress: Progress,
+) -> Blocks:  # fmt: skip
     """Merge blocks round by round where the log odds of all the contacts that a placement makes sum to more than `least`.
 
     Each candidate with log odds above `hopeful` between two blocks implies a placement of one beside the other. The
     best are taken first; no block is moved twice in a round.
     """
-    while True:
+    for number in itertools.count():
+        progress(1.0 - 0.9**number, "joining blocks")
         names = blocks.block[candidates.pairs // 4]
         rows = np.flatnonzero((names[:, 0] != names[:, 1]) & (e.logit > hopeful))
         score = placement_scores(candidates.pairs[rows], blocks, e)
@@ -28,6 +33,7 @@ def merge_by_contacts(
         if not taken.any():
             return blocks
         blocks = merged
+    return blocks
 
 
 def placement_scores(pairs: np.ndarray, blocks: Blocks, e: Evidence) -> np.ndarray:
@@ -99,8 +105,10 @@ def cell_score(grid, turns, row, column, piece, turn, e):  # type: ignore[no-unt
 
 
 @njit(cache=True, nogil=True)
-def fill_cells(grid, turns, left, allowed, width, height, turned, least, e):  # type: ignore[no-untyped-def]
-    """Place the pieces `left` (m,) one at a time into `allowed` empty cells of `grid` (rows, columns) that touch others.
+def fill_cells(grid, turns, left, kind, width, height, turned, least, most, e):  # type: ignore[no-untyped-def]
+    """Place up to `most` of the pieces `left` (m,), one at a time, into empty cells of `grid` that touch others.
+
+    `kind` (m,) are their kinds, equal ones in a row: of pieces that look alike one is tried for all.
 
     The piece and the cell with the best mean log odds a contact come first, cells with more neighbours before others
     of the same worth; what is placed never outgrows `width` × `height` cells (0: no limit). Stops where no mean
@@ -115,19 +123,21 @@ def fill_cells(grid, turns, left, allowed, width, height, turned, least, e):  # 
     stale = np.zeros((rows, columns), dtype=np.bool_)
     for r in range(rows):
         for c in range(columns):
-            stale[r, c] = grid[r, c] == EMPTY and allowed[r, c]
+            stale[r, c] = grid[r, c] == EMPTY
             if grid[r, c] != EMPTY:
                 box[0], box[1], box[2], box[3] = min(box[0], r), min(box[1], c), max(box[2], r), max(box[3], c)
-    for _ in range(len(left)):
+    for _ in range(min(len(left), most)):
         best, best_r, best_c = -np.inf, -1, -1
         for r in range(max(box[0] - 1, 0), min(box[2] + 2, rows)):
             for c in range(max(box[1] - 1, 0), min(box[3] + 2, columns)):
-                if grid[r, c] != EMPTY or not allowed[r, c]:
+                if grid[r, c] != EMPTY:
                     continue
                 if height and (max(box[2], r) - min(box[0], r) >= height or max(box[3], c) - min(box[1], c) >= width):
                     continue
                 if stale[r, c] or (choice[r, c] != EMPTY and placed[choice[r, c]]):
-                    worth[r, c], choice[r, c], way[r, c] = _best_for_cell(grid, turns, r, c, left, placed, turned, e)
+                    worth[r, c], choice[r, c], way[r, c] = _best_for_cell(
+                        grid, turns, r, c, left, kind, placed, turned, e
+                    )
                     stale[r, c] = False
                 if worth[r, c] > best:
                     best, best_r, best_c = worth[r, c], r, c
@@ -142,16 +152,17 @@ def fill_cells(grid, turns, left, allowed, width, height, turned, least, e):  # 
         for w in range(4):
             r, c = best_r + STEP_Y[w], best_c + STEP_X[w]
             if 0 <= r < rows and 0 <= c < columns:
-                stale[r, c] = grid[r, c] == EMPTY and allowed[r, c]
+                stale[r, c] = grid[r, c] == EMPTY
     return placed
 
 
 @njit(cache=True, nogil=True)
-def _best_for_cell(grid, turns, r, c, left, placed, turned, e):  # type: ignore[no-untyped-def]
-    best, which, way = -np.inf, EMPTY, 0
+def _best_for_cell(grid, turns, r, c, left, kind, placed, turned, e):  # type: ignore[no-untyped-def]
+    best, which, way, last = -np.inf, EMPTY, 0, -1
     for k in range(len(left)):
-        if placed[k]:
+        if placed[k] or kind[k] == last:
             continue
+        last = kind[k]
         for turn in range(4 if turned else 1):
             total, contacts = cell_score(grid, turns, r, c, left[k], turn, e)
             if contacts and total > NEVER / 2 and total / contacts + 0.5 * contacts > best:
@@ -160,8 +171,10 @@ def _best_for_cell(grid, turns, r, c, left, placed, turned, e):  # type: ignore[
 
 
 @njit(cache=True, nogil=True)
-def best_place(grid, turns, group, x, y, group_turns, width, height, turned, e):  # type: ignore[no-untyped-def]
-    """Where a group of pieces, with cells and turns of their own, fits the pieces on `grid` best.
+def best_place(grid, turns, group, x, y, group_turns, movable, width, height, turned, e):  # type: ignore[no-untyped-def]
+    """Where a group of pieces, with cells and turns of their own, fits the pieces on `grid` best, touching one at least.
+
+    It may take the place of pieces that are `movable` (n,) bool, whose log odds are then lost.
 
     Returns the sum of log odds (-inf where there is no room), the row and column of the group's origin, and its turns.
     """
@@ -176,14 +189,20 @@ def best_place(grid, turns, group, x, y, group_turns, width, height, turned, e):
     for k in range(4 if turned else 1):
         for r in range(-reach, rows + reach):
             for c in range(-reach, columns + reach):
-                total = 0.0
+                total, touching = 0.0, 0
                 low_r, low_c, high_r, high_c = box[0], box[1], box[2], box[3]
                 for m in range(len(group)):
                     dx, dy = turn_cell(x[m], y[m], k)
                     row, column = r + dy, c + dx
-                    if not (0 <= row < rows and 0 <= column < columns) or grid[row, column] != EMPTY:
+                    if not (0 <= row < rows and 0 <= column < columns):
                         total = -np.inf
                         break
+                    there = grid[row, column]
+                    if there != EMPTY:
+                        if not movable[there]:
+                            total = -np.inf
+                            break
+                        total -= cell_score(grid, turns, row, column, there, turns[there], e)[0]
                     low_r, low_c, high_r, high_c = (
                         min(low_r, row),
                         min(low_c, column),
@@ -193,22 +212,18 @@ def best_place(grid, turns, group, x, y, group_turns, width, height, turned, e):
                     if height and (high_r - low_r >= height or high_c - low_c >= width):
                         total = -np.inf
                         break
-                    total += cell_score(grid, turns, row, column, group[m], (group_turns[m] + k) % 4, e)[0]
-                if total > best and total > NEVER / 2:
+                    worth, contacts = cell_score(grid, turns, row, column, group[m], (group_turns[m] + k) % 4, e)
+                    total += worth
+                    touching += contacts
+                if touching and total > best and total > NEVER / 2:
                     best, best_r, best_c, best_k = total, r, c, k
     return best, best_r, best_c, best_k
 
 
 def rearrange(
-    grid: np.ndarray,
-    turns: np.ndarray,
-    loose: np.ndarray,
-    turned: bool,
-    rounds: int,
-    patience: int,
-    seed: int,
-    e: Evidence,
-) -> None:
+    grid: np.ndarray, turns: np.ndarray, loose: np.ndarray, turned: bool, rounds: int, patience: int, seed: int,
+    e: Evidence, progress: Progress,
+) -> None:  # fmt: skip
     """Move the pieces in the cells `loose` (m, 2) among these cells while the sum of all log odds grows.
 
     In each round cells are drawn of which no two touch, so that the best assignment of their pieces to them, all others
@@ -218,7 +233,8 @@ def rearrange(
     from scipy.optimize import linear_sum_assignment
 
     rng, idle = np.random.default_rng(seed), 0
-    for _ in range(rounds if len(loose) > 1 else 0):
+    for number in range(rounds if len(loose) > 1 else 0):
+        progress(number / rounds, "moving loose pieces")
         cells = loose[_apart(grid.shape, loose, rng)]
         pieces = grid[cells[:, 0], cells[:, 1]]
         worth, way = np.empty((len(cells), len(cells))), np.zeros((len(cells), len(cells)), dtype=np.int64)

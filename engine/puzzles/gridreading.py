@@ -5,7 +5,9 @@ import numpy as np
 from . import assembly
 from .candidates import Candidates
 from .completing import Layout, lying_as
-from .gridwishes import GridJob, PreparedGrid, side_rows
+from .evidence import Evidence, fits
+from .gridwishes import GridJob, PreparedGrid, joins_of, side_rows
+from .learned import placed_probability
 from .parameters import PuzzleParameters
 from .solution import UNPLACED, Joins, PuzzleSolution, Wishes
 
@@ -45,6 +47,22 @@ def confidence_of(job: GridJob, sides: np.ndarray) -> np.ndarray:
     return np.where(rows >= 0, np.append(job.probability, 0.0)[rows], 0.0)
 
 
+def placed_confidence(job: GridJob, sides: np.ndarray) -> np.ndarray:
+    """The calibrated probability (j,) of the joins of an assembled picture, by side rows (j, 2)."""
+    return placed_probability(*contact_odds(job.evidence, sides))
+
+
+def contact_odds(e: Evidence, sides: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Log odds (j,) of touching side rows (j, 2), and the mean (j, 2) of the other contacts of their two pieces."""
+    own = np.empty(len(sides))
+    fits(e, np.ascontiguousarray(sides), own)
+    pieces = sides // 4
+    n = len(e.start) // 4
+    total = np.bincount(pieces.ravel(), np.repeat(own, 2), n)
+    count = np.bincount(pieces.ravel(), minlength=n)
+    return own, (total[pieces] - own[:, None]) / np.maximum(count[pieces] - 1, 1)
+
+
 def read_solution(
     job: GridJob, best: str, layouts: dict[str, Layout], confirmed: dict[str, np.ndarray], parameters: PuzzleParameters,
     wishes: Wishes, seconds: dict[str, float], notes: tuple[str, ...],
@@ -60,7 +78,7 @@ def read_solution(
                  f"{-beyond[1] * px} pixels.")  # fmt: skip
         position = np.where(out[:, None], 0, position - beyond)
     sides = touching_sides(layout)
-    joins = joins_of(sides, confidence_of(job, sides), px, _confirmations(job, sides, confirmed, wishes))
+    joins = joins_of(sides, placed_confidence(job, sides), px, _confirmations(job, sides, confirmed, wishes))
     count = max(int(layout.picture.max()) + 1, 1)
     sizes = [px * _size(position[layout.picture == k], job) for k in range(count)]
     why = {int(i): "no place where its sides fit was left" for i in np.flatnonzero(out)}
@@ -97,13 +115,6 @@ def _confirmations(
 def exclusive_choice(probability: np.ndarray, candidates: Candidates) -> np.ndarray:
     """Best buddies that are more likely right than not, (c,) bool: at most one for each side."""
     return assembly.best_buddies(probability, candidates) & (probability > 0.5)
-
-
-def joins_of(sides: np.ndarray, confidence: np.ndarray, px: int, confirmed_by: tuple[str, ...] = ()) -> Joins:
-    """Joins of square pieces from side rows (j, 2)."""
-    a, s, b, t = sides[:, 0] // 4, sides[:, 0] % 4, sides[:, 1] // 4, sides[:, 1] % 4
-    step = np.array([(0, -1), (1, 0), (0, 1), (-1, 0)])
-    return Joins(np.column_stack([a, s, b, t]), px * step[s], (s + 2 - t) % 4, confidence, confirmed_by)
 
 
 def candidate_joins_of_square(prepared: PreparedGrid, piece: int, side: int) -> Joins:

@@ -4,11 +4,13 @@ import time
 
 import numpy as np
 
-from ..progress import Progress, share, silent
+from ..errors import BadInput
+from ..progress import Progress, onwards, share, silent
 from . import assembly
 from .blocks import Blocks, grow_blocks
 from .candidates import Candidates, shortlist
 from .completing import Layout, complete
+from .dissection import SMALLEST
 from .evidence import evidence
 from .gridreading import confidence_of, read_solution, touching_sides
 from .gridwishes import GridJob, PreparedGrid, with_wishes
@@ -27,6 +29,10 @@ MOST_FOR_LP = 4000  # pieces up to which the default tries the linear programme 
 def prepare_grid(puzzle: Puzzle, parameters: PuzzleParameters, *, progress: Progress = silent) -> PreparedGrid:
     """Compare all sides, list the likely partners of each and say how probable each join is."""
     began = time.perf_counter()
+    if (puzzle.square or 0) < SMALLEST:
+        raise BadInput(
+            f"The pieces of {puzzle.name} are {puzzle.square} pixels wide, too small to compare; give pieces of at least {SMALLEST}."
+        )
     rasters = puzzle.rasters()
     strips = side_strips(rasters)
     worn = parameters.wear == "worn"
@@ -67,20 +73,22 @@ def assemble_grid(
 ) -> PuzzleSolution:
     """Assemble a prepared puzzle; wishes are honoured exactly."""
     began = time.perf_counter()
+    progress = onwards(progress)
     n = prepared.puzzle.count
     job = with_wishes(prepared, parameters, wishes)
     seconds = dict(prepared.seconds)
     layouts: dict[str, Layout] = {}
     confirmed: dict[str, np.ndarray] = {}
-    for number, method in enumerate(_methods(parameters.method, n)):
-        step = share(progress, number / 3, (number + 1) / 3)
+    methods = _methods(parameters.method, n)
+    for number, method in enumerate(methods):
+        step = share(progress, number / len(methods), (number + 1) / len(methods))
         step(0.0, f"assembling: {method}")
         if _settled(job, layouts):
             break
-        order = _order(method, job, parameters, layouts, confirmed, step)
+        order = _order(method, job, parameters, layouts, confirmed, share(step, 0.0, 0.4))
         blocks = (assembly.grown_greedily(job.probability, job.candidates, job.start, job.rules, LEAST)
                   if order is None else grow_blocks(job.candidates.pairs, order, job.start, job.rules)[0])  # fmt: skip
-        layouts[method] = _completed(blocks, job, parameters)
+        layouts[method] = _completed(blocks, job, parameters, share(step, 0.4, 1.0))
     best = max(layouts, key=lambda name: layouts[name].worth - 10.0 * (layouts[name].picture == UNPLACED).sum())
     seconds["assembly"] = time.perf_counter() - began
     progress(1.0, "assembled")
@@ -107,7 +115,7 @@ def _order(
         first = next(iter(layouts.values()), None)
         if first is None:
             tree = grow_blocks(found.pairs, assembly.by_probability(p, LEAST), job.start, job.rules)[0]
-            first = _completed(tree, job, parameters)
+            first = _completed(tree, job, parameters, silent)
         return assembly.by_linear_programme(p, found, first.turns, rounds=12, least=0.05, progress=progress)
     if method in ("matchlift", "diffusion"):
         from .confirming import confirmed_joins
@@ -119,10 +127,10 @@ def _order(
     return assembly.by_probability(p, LEAST)
 
 
-def _completed(blocks: Blocks, job: GridJob, parameters: PuzzleParameters) -> Layout:
+def _completed(blocks: Blocks, job: GridJob, parameters: PuzzleParameters, progress: Progress) -> Layout:
     return complete(
         blocks, job.start, job.candidates, job.evidence, job.rules, groups=job.groups, pin=job.pin, pictures=job.puzzle.pictures,
-        turned=job.puzzle.turned, missing=parameters.missing)  # fmt: skip
+        turned=job.puzzle.turned, missing=parameters.missing, progress=progress)  # fmt: skip
 
 
 def _settled(job: GridJob, layouts: dict[str, Layout]) -> bool:

@@ -1,17 +1,18 @@
 """What people decided, worked into a prepared puzzle of equal squares before it is assembled."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..errors import BadInput
-from .blocks import Blocks, Rules, grow_blocks, single_pieces
+from .blocks import STEP_X, STEP_Y, Blocks, Rules, grow_blocks, single_pieces
 from .candidates import Candidates, candidates_of, exclusive
 from .evidence import LIMIT, NEVER, Evidence
 from .measures import Strips
 from .parameters import PuzzleParameters
 from .pieces import SIDE_NAMES, Puzzle
 from .solution import Joins, Wishes
+from .wishcheck import check_wishes
 
 TAKEN = -9.0  # log odds of a join of a side that is locked to another
 
@@ -58,14 +59,17 @@ def with_wishes(prepared: PreparedGrid, parameters: PuzzleParameters, wishes: Wi
     if frame is not None and frame[0] * frame[1] < n and puzzle.pictures == 1:
         frame = None
     locked, forbidden = (side_rows(joins, prepared.puzzle) for joins in (wishes.locked, wishes.forbidden))
+    whole = Wishes(
+        joins_of(locked, np.ones(len(locked)), px), joins_of(forbidden, np.zeros(len(forbidden)), px), wishes.pinned
+    )
+    check_wishes(puzzle if frame is not None else replace(puzzle, frame=None), whole)
     found, value, probability = prepared.candidates, prepared.value, prepared.probability
     e = prepared.evidence
     if len(locked) or len(forbidden):
         found, value, probability, e = _revised(prepared, locked, forbidden)
     pins = np.array([pin.piece for pin in wishes.pinned], dtype=np.int64)
-    start, groups = _start_blocks(n, locked, forbidden, wishes, px, frame)
-    either_way = puzzle.turned and not len(pins)
-    rules = Rules(frame, either_way, forbidden, pins if frame is not None else pins[:0])
+    start, groups = _start_blocks(n, locked, forbidden, wishes, px, frame, puzzle.turned)
+    rules = Rules(frame, puzzle.turned, forbidden, pins if frame is not None else pins[:0])
     first = wishes.pinned[0] if wishes.pinned else None
     pin = None if first is None else (first.piece, first.x // px, first.y // px, first.quarter_turns)
     return GridJob(puzzle, found, value, probability, e, rules, start, groups, pin, prepared.strips)
@@ -119,7 +123,13 @@ def _revised(
 
 
 def _start_blocks(
-    n: int, locked: np.ndarray, forbidden: np.ndarray, wishes: Wishes, px: int, frame: tuple[int, int] | None
+    n: int,
+    locked: np.ndarray,
+    forbidden: np.ndarray,
+    wishes: Wishes,
+    px: int,
+    frame: tuple[int, int] | None,
+    turned: bool,
 ) -> tuple[Blocks, np.ndarray]:
     """Blocks that the locked joins and pins make, and the group of each locked piece (-1: none).
 
@@ -138,11 +148,11 @@ def _start_blocks(
                 )
             block[pin.piece] = pins[0].piece
             x[pin.piece], y[pin.piece], turns[pin.piece] = pin.x // px, pin.y // px, pin.quarter_turns % 4
-        cells = {(pin.x // px, pin.y // px) for pin in pins}
-        if len(cells) < len({pin.piece for pin in pins}):
-            raise BadInput("Two pinned pieces share a place; unpin one of them.")
         start = Blocks(block, x, y, turns)
-    blocks, taken = grow_blocks(locked, np.arange(len(locked)), start, Rules(forbidden=forbidden))
+    pinned = np.array([pin.piece for pin in pins if frame is not None], dtype=np.int64)
+    rules = Rules(frame, turned, forbidden, pinned)
+    blocks, taken = grow_blocks(locked, np.arange(len(locked)), start, rules)
+    _refuse_made(blocks, forbidden)
     if not taken.all():
         a, b = locked[np.flatnonzero(~taken)[0]].tolist()
         raise BadInput(
@@ -152,3 +162,22 @@ def _start_blocks(
     groups = np.where(counts[blocks.block] > 1, blocks.block, -1)
     groups[[pin.piece for pin in pins]] = blocks.block[[pin.piece for pin in pins]]
     return blocks, groups
+
+
+def _refuse_made(blocks: Blocks, forbidden: np.ndarray) -> None:
+    """Raise `BadInput` where pins and locked joins by themselves bring a forbidden pair of sides together."""
+    for a, b in forbidden.tolist():
+        i, j = a // 4, b // 4
+        d = (a % 4 + blocks.turns[i]) % 4
+        beside = blocks.x[j] - blocks.x[i] == STEP_X[d] and blocks.y[j] - blocks.y[i] == STEP_Y[d]
+        if blocks.block[i] == blocks.block[j] and beside and (b % 4 + blocks.turns[j]) % 4 == (d + 2) % 4:
+            raise BadInput(
+                f"Piece {i} ({SIDE_NAMES[a % 4]}) and piece {j} ({SIDE_NAMES[b % 4]}) are forbidden to touch, but pins or locked "
+                "joins bring them together; take one of these back.")  # fmt: skip
+
+
+def joins_of(sides: np.ndarray, confidence: np.ndarray, px: int, confirmed_by: tuple[str, ...] = ()) -> Joins:
+    """Joins of square pieces of `px` pixels from side rows (j, 2)."""
+    a, s, b, t = sides[:, 0] // 4, sides[:, 0] % 4, sides[:, 1] // 4, sides[:, 1] % 4
+    step = np.column_stack([STEP_X, STEP_Y])
+    return Joins(np.column_stack([a, s, b, t]), px * step[s], (s + 2 - t) % 4, confidence, confirmed_by)

@@ -65,3 +65,17 @@ def single_probability(measure: str, candidates: Candidates, strips: Strips) -> 
     constant, slope = weights()["single"][measure]
     ratio = np.log(np.maximum(gallagher_ratio(values, candidates), 1e-9))
     return values, exclusive(1 / (1 + np.exp(-(constant + slope * ratio).clip(-30, 30))), candidates)
+
+
+def contact_inputs(own: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """What the confidence of a placed join is made of, (j, 8): its own log odds (j,), and the mean log odds of the other
+    contacts of its two pieces (j, 2), divided by 4, and products of them."""
+    o, a, b = own / 4, others.max(axis=1) / 4, others.min(axis=1) / 4
+    return np.column_stack([o, a, b, o * a, o * b, a * b, np.maximum(o, 0), np.maximum(b, 0)])
+
+
+def placed_probability(own: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """The calibrated probability (j,) that joins in an assembled picture are right: a doubtful join between two pieces
+    whose other contacts are certain is most likely right."""
+    constant, *slopes = weights()["placed"]
+    return 1 / (1 + np.exp(-(constant + contact_inputs(own, others) @ np.array(slopes)).clip(-30, 30)))

@@ -6,7 +6,7 @@ from ..parameters import Parameters, parameter
 
 METHODS = ("auto", "mst", "greedy", "loops", "lp", "matchlift", "diffusion")
 MEASURES = ("learned", "mgc", "mgc-root", "mgc-pt", "pt", "lpq", "ssd", "ssd-lab", "emd", "emd-lab")
-_MEASURE, _CONSIST, _ASSEMBLE = "Measure", "Consistency", "Assembly"
+_MEASURE, _ASSEMBLE = "Measure", "Assembly"
 _MATCHLIFT, _DIFFUSION = "MatchLift", "Diffusion pruning"
 
 

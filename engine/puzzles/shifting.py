@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..progress import Progress
 from .evidence import Evidence
 from .filling import EMPTY, cell_score, rearrange, total_worth
 
@@ -10,8 +11,9 @@ DEEPEST = 3  # rows that are tried to be moved at once
 
 
 def shift(
-    grid: np.ndarray, turns: np.ndarray, loose: np.ndarray, groups: np.ndarray, turned: bool, e: Evidence
-) -> None:
+    grid: np.ndarray, turns: np.ndarray, loose: np.ndarray, groups: np.ndarray, turned: bool, e: Evidence,
+    progress: Progress,
+) -> None:  # fmt: skip
     """Move whole rows and columns of `grid` from one border to the opposite one while the sum of all log odds grows.
 
     Without it a picture may end one cell off as a whole: the neighbours right, no place right. The cells that a move
@@ -35,7 +37,7 @@ def shift(
             moved = np.argwhere(_border(view.shape, axis, depth)) + origin
             cells = np.unique(np.concatenate([moved, loose]), axis=0)
             pieces = grid[cells[:, 0], cells[:, 1]]
-            rearrange(grid, turns, cells[(pieces != EMPTY) & (groups[pieces] < 0)], turned, 12, 3, 0, e)
+            rearrange(grid, turns, cells[(pieces != EMPTY) & (groups[pieces] < 0)], turned, 12, 3, 0, e, progress)
             worth = total_worth(grid, turns, e)
             if worth > best + 1e-6:
                 best = worth

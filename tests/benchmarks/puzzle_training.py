@@ -1,6 +1,6 @@
 """Fit the probability of a join to pictures with known truth, and print how it does on pictures left out.
 
-    python tests/benchmarks/puzzle_training.py --data FOLDER [--write]
+    python tests/benchmarks/puzzle_training.py --data FOLDER [--write] [--kinds clean worn placed]
 
 FOLDER holds the picture folders kodak12, bsds40 and large. The fit is first made without one picture in four and judged
 on those; with `--write` it is then made on all of them and written to engine/puzzles/learned.json. Pictures are also
@@ -176,6 +176,31 @@ def single(samples: list[Sample]) -> dict[str, list[float]]:
     return dict(sorted(result.items()))
 
 
+def placed(data: Path) -> list[float]:
+    """Constant and slopes of the confidence of placed joins, fitted to assembled pictures of the training."""
+    from sklearn.linear_model import LogisticRegression
+
+    from engine.puzzles.gridreading import contact_odds
+    from engine.puzzles.learned import contact_inputs
+    from engine.puzzles.parameters import PuzzleParameters
+    from engine.puzzles.scoring import right_joins
+    from engine.puzzles.solving import assemble, prepare
+
+    inputs, right = [], []
+    chosen = [row for kind in ("clean", "worn") for _, row in recipes(data, kind) if row[3] == 28 and not row[5]]
+    for path, mode, columns, px, seed, _, wear in (row for row in chosen if row[1] in ("bright", "dark") or row[6]):
+        puzzle, truth = cut(picture(path, mode, columns, px, np.random.default_rng(seed)), piece_size=px, seed=seed + 50)
+        if wear:
+            puzzle, truth = worn(puzzle, truth, wear, seed)
+        prepared = prepare(puzzle, PuzzleParameters())
+        solution = assemble(prepared, PuzzleParameters(method="mst"))
+        sides = 4 * solution.joins.sides[:, [0, 2]] + solution.joins.sides[:, [1, 3]]
+        inputs.append(contact_inputs(*contact_odds(prepared.evidence, sides)))
+        right.append(right_joins(puzzle, truth, solution))
+    model = LogisticRegression(C=10, max_iter=3000).fit(np.concatenate(inputs), np.concatenate(right))
+    return [float(model.intercept_[0]), *map(float, model.coef_[0])]
+
+
 def plain(value: object) -> object:
     if isinstance(value, np.ndarray):
         return [plain(v) for v in value] if value.ndim > 1 else [float(f"{v:.5g}") for v in value]
@@ -187,13 +212,18 @@ def plain(value: object) -> object:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, required=True)
-    parser.add_argument("--kinds", nargs="+", default=["clean", "worn"])
+    parser.add_argument("--kinds", nargs="+", default=["clean", "worn", "placed"])
     parser.add_argument("--write", action="store_true")
     parser.add_argument("--quick", action="store_true", help="fit on fewer wrong candidates, with more weight")
     parser.add_argument("--no-judging", action="store_true", help="do not make the first fit")
     options = parser.parse_args()
     content = json.loads(FILE.read_text()) if FILE.exists() else {}
     for kind in options.kinds:
+        if kind == "placed":
+            content["placed"] = placed(options.data)
+            print("placed", np.round(content["placed"], 3))
+            FILE.write_text(json.dumps(content, separators=(",", ":")) + "\n", encoding="utf-8")
+            continue
         made = [(left_out, sample(*arguments)) for left_out, arguments in recipes(options.data, kind)]
         print(f"{kind}: {len(made)} puzzles, {sum(len(s.right) for _, s in made)} candidates", flush=True)
         if not options.no_judging:

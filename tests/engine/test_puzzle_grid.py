@@ -1,5 +1,6 @@
 """Solving puzzles of squares: blocks by hand, laws of the whole solver, wishes honoured exactly."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -8,13 +9,15 @@ from PIL import Image
 
 from assets import example_picture
 from engine.errors import BadInput, Cancelled
+from engine.progress import silent
 from engine.puzzles.assembly import by_linear_programme, closed_loops, loops_first
 from engine.puzzles.blocks import Rules, grow_blocks, single_pieces
 from engine.puzzles.candidates import candidates_of, exclusive, loop_support, rival_values
 from engine.puzzles.cutting import cut, drop, mix
-from engine.puzzles.evidence import evidence
+from engine.puzzles.evidence import evidence, kinds_of
 from engine.puzzles.measures import side_strips
 from engine.puzzles.parameters import PuzzleParameters
+from engine.puzzles.pieces import Piece, Puzzle, rectangle
 from engine.puzzles.scenery import landscape
 from engine.puzzles.scoring import right_joins, score
 from engine.puzzles.shifting import shift
@@ -203,12 +206,12 @@ def test_a_picture_that_ends_one_row_off_is_shifted():
     rasters = np.random.default_rng(0).integers(0, 256, (rows * columns, 6, 6, 3)).astype(np.uint8)
     e = evidence(side_strips(rasters), found, np.full(len(sides), 0.99))
     grid, turns = np.roll(cells, 1, axis=0), np.zeros(rows * columns, dtype=np.int64)
-    shift(grid, turns, np.zeros((0, 2), dtype=np.int64), np.full(rows * columns, -1), False, e)
+    shift(grid, turns, np.zeros((0, 2), dtype=np.int64), np.full(rows * columns, -1), False, e, silent)
     assert (grid == cells).all()
     locked = np.full(rows * columns, -1)
     grid = np.roll(cells, 1, axis=0)
     locked[grid[:2, 0]] = 0  # the wrong line is locked: it stays
-    shift(grid, turns, np.zeros((0, 2), dtype=np.int64), locked, False, e)
+    shift(grid, turns, np.zeros((0, 2), dtype=np.int64), locked, False, e, silent)
     assert (grid == np.roll(cells, 1, axis=0)).all()
 
 
@@ -345,3 +348,82 @@ def test_worn_borders_are_noticed(picture):
     assert score(puzzle, truth, found[1]).neighbour >= score(puzzle, truth, found[0]).neighbour
     whole = solve(cut(picture, piece_size=28, seed=3)[0], FAST)
     assert not whole.notes
+
+
+def test_a_locked_row_over_the_whole_width_finds_its_place(prepared):
+    """The picture is full of better ones, which must make room."""
+    ready, truth = prepared
+    row = np.argsort(truth.position[:, 0] + 1000 * (truth.position[:, 1] != 28))[:12]
+    mixed = row[[3, 0, 7, 1, 9, 2, 11, 4, 5, 6, 8, 10]]
+    chain = [(int(a), RIGHT, int(b), LEFT) for a, b in itertools.pairwise(mixed)]
+    for method in ("mst", "greedy"):
+        solution = assemble(ready, FAST.changed(method=method), wishes=Wishes(locked=joins_of(chain)))
+        assert all(holds(solution, join) for join in chain)
+        assert solution.placed.all()
+
+
+def test_random_wishes_are_met_or_refused(prepared):
+    ready, truth = prepared
+    rng = np.random.default_rng(5)
+    met = 0
+    for _ in range(40):
+        rows = [(int(a), s, int(b), (s + 2) % 4) for (a, b), s in zip(
+            [rng.choice(ready.puzzle.count, 2, replace=False) for _ in range(6)], rng.integers(0, 4, 6).tolist(), strict=True)]  # fmt: skip
+        pins = tuple(Pin(int(i), *truth.position[i].tolist()) for i in rng.integers(0, ready.puzzle.count, 2))
+        wishes = Wishes(joins_of(rows[:3]), joins_of(rows[3:]), pins[: int(rng.integers(0, 3))])
+        values = FAST.changed(frame=str(rng.choice(["known", "unknown"])), method=str(rng.choice(["mst", "loops"])))
+        try:
+            solution = assemble(ready, values, wishes=wishes)
+        except BadInput:
+            continue
+        met += 1
+        assert all(holds(solution, row) for row in rows[:3])
+        assert not any(holds(solution, row) for row in rows[3:])
+        moved = [solution.position[p.piece] - (p.x, p.y) for p in wishes.pinned]
+        assert all((move == moved[0]).all() for move in moved)
+        assert values.frame == "unknown" or not np.any(moved)
+        cells = np.column_stack([solution.picture, solution.position])[solution.placed]
+        assert len(np.unique(cells, axis=0)) == len(cells)
+    assert met > 20
+
+
+def test_pins_may_not_make_a_forbidden_join(prepared):
+    ready, _ = prepared
+    pins = (Pin(0, 28, 28), Pin(1, 56, 28))
+    with pytest.raises(BadInput, match="forbidden"):
+        assemble(ready, FAST, wishes=Wishes(forbidden=joins_of([(0, RIGHT, 1, LEFT)]), pinned=pins))
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_three_right_pins_do_no_harm(picture, turned):
+    puzzle, truth = cut(picture, piece_size=28, turned=turned, seed=13)
+    pins = tuple(Pin(i, *truth.position[i].tolist(), int(truth.turns[i])) for i in (2, 40, 77))
+    solution = solve(puzzle, FAST, wishes=Wishes(pinned=pins))
+    assert (solution.position == truth.position).all()
+    assert (solution.turns == truth.turns).all()
+
+
+def test_progress_never_goes_back(picture):
+    puzzle, _ = cut(picture, piece_size=28, seed=1)
+    seen: list[float] = []
+    solve(puzzle, PuzzleParameters(), progress=lambda share, words: seen.append(share))
+    assert seen == sorted(seen)
+    assert min(seen) >= 0
+    assert max(seen) == 1
+
+
+def test_pieces_too_small_to_compare_are_refused():
+    tiny = Puzzle(tuple(Piece(rectangle(1, 1), np.full((1, 1, 3), k), np.ones((1, 1), dtype=bool)) for k in range(4)))
+    with pytest.raises(BadInput, match="too small"):
+        solve(tiny, FAST)
+
+
+@pytest.fixture
+def few_pieces() -> tuple:
+    return cut(np.full((280, 336, 3), 250, dtype=np.uint8), piece_size=28, seed=0)
+
+
+def test_equal_pieces_are_of_one_kind(few_pieces):
+    ready = prepare(few_pieces[0], FAST)
+    assert not kinds_of(ready.evidence).any()
+    assert assemble(ready, FAST).placed.all()

@@ -2,11 +2,13 @@
 
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .errors import Cancelled, ConcordError
 from .progress import Progress
+from .store import output_folder
 
 if TYPE_CHECKING:
     from cyclopts import App
@@ -16,6 +18,7 @@ def run(app: "App", arguments: Sequence[str] | None = None) -> int:
     """Run a command-line application and return its exit code: 0 done, 2 bad input, 130 interrupted."""
     from cyclopts import CycloptsError
 
+    app.suppress_keyboard_interrupt = False  # it is answered below, in our own words
     try:
         result = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
     except CycloptsError as error:
@@ -50,3 +53,19 @@ def progress_bar() -> Iterator[Progress]:
     with rich_progress.Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("starting", total=1.0)
         yield lambda share, words: bar.update(task, completed=share, description=words[:40])
+
+
+@contextmanager
+def results_folder(path: Path) -> Iterator[Path]:
+    """The folder for results, proven writable before any long work; where that fails, no empty folder is left behind.
+
+    Only folders made here are removed again, and only while nothing is in them.
+    """
+    made = [folder for folder in (path, *path.parents) if not folder.exists()]
+    try:
+        yield output_folder(path)
+    except BaseException:
+        for folder in made:
+            with suppress(OSError):
+                folder.rmdir()
+        raise

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import App, Parameter
 
-from .cli import progress_bar
+from .cli import progress_bar, results_folder
 from .errors import BadInput, BadParameter
 from .parameters import assignments, read_values
 from .puzzles.parameters import PuzzleParameters
@@ -82,7 +82,6 @@ def solve(
         A file of wishes: joins locked or forbidden, and pieces pinned.
     """
     from .puzzles.gathering import Cutting, gather, without_frame
-    from .store import output_folder
 
     values = chosen(method, measure, frame, missing, set, parameters)
     how = Cutting(cut, pieces, piece_size, rotate, seed, missing)
@@ -93,11 +92,12 @@ def solve(
         wishes = _wishes(lock, puzzle)
         if any(path.is_dir() and path.resolve() == out.resolve() for path in inputs):
             raise BadInput(f"{out} holds the pieces; choose another folder for the results, or they would be taken for pieces.")
-        folder = output_folder(out)
+    with results_folder(out) as folder:
         from .puzzles.solving import solve as solved
 
-        solution = solved(puzzle, values, wishes=wishes, progress=progress)
-    _write(folder, puzzle, truth, solution, {**source, "lock": str(lock) if lock else None})
+        with progress_bar() as progress:
+            solution = solved(puzzle, values, wishes=wishes, progress=progress)
+        _write(folder, puzzle, truth, solution, {**source, "lock": str(lock) if lock else None})
 
 
 def chosen(
@@ -261,7 +261,6 @@ def bench_puzzles(
     from .puzzles.gathering import Cutting
     from .puzzles.parameters import MEASURES, METHODS
     from .puzzles.wearing import WEAR
-    from .store import output_folder
 
     values = chosen(None, None, frame, missing, set, None)
     how = checked_cutting(Cutting(cut, pieces, piece_size, rotate, 0, missing))
@@ -272,14 +271,13 @@ def bench_puzzles(
         _all(methods, METHODS) or (values.method,), values))  # fmt: skip
     for seed in plan.seeds:
         checked_cutting(how._replace(seed=seed))
-    target = output_folder(out)
-    runs = output_folder(target / "runs")
-    before = len(list(runs.glob("*.json")))
-    with progress_bar() as progress:
-        results = run_plan(plan, runs, progress=progress)
-    made = len(list(runs.glob("*.json"))) - before
-    print(f"{made} runs made, {len(results) - made} kept from before in {runs}")
-    _write_tables(target, plan, results)
+    with results_folder(out / "runs") as runs:
+        before = len(list(runs.glob("*.json")))
+        with progress_bar() as progress:
+            results = run_plan(plan, runs, progress=progress)
+        made = len(list(runs.glob("*.json"))) - before
+        print(f"{made} runs made, {len(results) - made} kept from before in {runs}")
+        _write_tables(out, plan, results)
 
 
 def _all(names: list[str] | None, known: tuple[str, ...]) -> tuple[str, ...]:

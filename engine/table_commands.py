@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from .cli import progress_bar
+from .cli import progress_bar, results_folder
 from .errors import BadInput, BadParameter
 from .parameters import assignments
 from .puzzles.parameters import PuzzleParameters
@@ -74,12 +74,13 @@ def table_4_1(
         raise BadParameter("--t1 and --t2 take thresholds above 0 and up to 1.")
     if resolution != 0 and not 8 <= resolution <= 4000:
         raise BadParameter(f"--resolution cannot be {resolution}: it takes 8 to 4000 pixels, or 0 for the picture's own.")
-    images, target = _images(folder, seed, out)
-    with progress_bar() as progress:
-        rows = thesis.table_4_1(images, values, grids=sizes, t_1=first, t_2=second, resolution=resolution, seed=seed,
-                                progress=progress)  # fmt: skip
-    lead = f"{LEAD_4_1} {len(images)} pictures of {folder.resolve().name}, seed {seed}."
-    _write(target, "table-4.1", table_of_4_1(rows), csv_of_4_1(rows), lead)
+    images = _images(folder, seed)
+    with results_folder(out) as target:
+        with progress_bar() as progress:
+            rows = thesis.table_4_1(images, values, grids=sizes, t_1=first, t_2=second, resolution=resolution, seed=seed,
+                                    progress=progress)  # fmt: skip
+        lead = f"{LEAD_4_1} {len(images)} pictures of {folder.resolve().name}, seed {seed}."
+        _write(target, "table-4.1", table_of_4_1(rows), csv_of_4_1(rows), lead)
 
 
 def table_5_2(
@@ -112,18 +113,18 @@ def table_5_2(
     from .puzzles.thesis_tables_text import LEAD_5_2, csv_of_5_2, table_of_5_2
 
     values = PuzzleParameters().changed(**assignments(set or ()))
-    images, target = _images(folder, seed, out)
-    with progress_bar() as progress:
-        rows = thesis.table_5_2(images, values, pieces=pieces, frame=frame == "known", seed=seed, progress=progress)
-    lead = f"{LEAD_5_2} {len(images)} pictures of {folder.resolve().name}, the frame {frame}, seed {seed}."
-    _write(target, "table-5.2", table_of_5_2(rows), csv_of_5_2(rows), lead)
+    images = _images(folder, seed)
+    with results_folder(out) as target:
+        with progress_bar() as progress:
+            rows = thesis.table_5_2(images, values, pieces=pieces, frame=frame == "known", seed=seed, progress=progress)
+        lead = f"{LEAD_5_2} {len(images)} pictures of {folder.resolve().name}, the frame {frame}, seed {seed}."
+        _write(target, "table-5.2", table_of_5_2(rows), csv_of_5_2(rows), lead)
 
 
-def _images(folder: Path, seed: int, out: Path) -> tuple[list[tuple[str, "np.ndarray"]], Path]:
-    """All pictures of a folder by their names, and the folder for the results."""
+def _images(folder: Path, seed: int) -> list[tuple[str, "np.ndarray"]]:
+    """All pictures of a folder by their names."""
     from .puzzles.imagefile import opaque, read_image
     from .puzzles.piecefolder import image_files
-    from .store import output_folder
 
     if not 0 <= seed < 2**31:
         raise BadParameter(f"--seed cannot be {seed}: it takes a whole number from 0 to {2**31 - 1}.")
@@ -132,7 +133,7 @@ def _images(folder: Path, seed: int, out: Path) -> tuple[list[tuple[str, "np.nda
     paths = image_files(folder)
     if not paths:
         raise BadInput(f"The folder {folder} holds no images; name a folder of pictures to cut.")
-    return [(path.name, opaque(read_image(path))) for path in paths], output_folder(out)
+    return [(path.name, opaque(read_image(path))) for path in paths]
 
 
 def _write(folder: Path, stem: str, tables: Sequence["Table"], csv: str, lead: str) -> None:

@@ -49,7 +49,8 @@ def checked_plan(plan: Plan) -> Plan:
 
     Every picture is read and cut to find out.
     """
-    plan = plan._replace(**{name: tuple(dict.fromkeys(getattr(plan, name))) for name in ("seeds", "wear", "measures", "methods")})
+    plan = plan._replace(seeds=tuple(dict.fromkeys(plan.seeds)), wear=tuple(dict.fromkeys(plan.wear)),
+                         measures=tuple(dict.fromkeys(plan.measures)), methods=tuple(dict.fromkeys(plan.methods)))  # fmt: skip
     if not image_files(plan.folder):
         raise BadInput(f"The folder {plan.folder} holds no images; name a folder of pictures to cut.")
     for kind in plan.wear:

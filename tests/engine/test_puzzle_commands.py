@@ -12,7 +12,8 @@ from test_puzzle_imagefile import huge_png
 
 from assets import example_picture
 from engine.__main__ import main, parameter_text
-from engine.puzzles import benching
+from engine.errors import BadInput
+from engine.puzzles import benching, solving, thesis_tables
 from engine.puzzles.benching import Plan, by_image, checked_plan, overview, run_plan, to_markdown
 from engine.puzzles.gathering import Cutting
 from engine.puzzles.parameters import PuzzleParameters
@@ -208,6 +209,41 @@ def test_bad_input_is_one_sentence_and_writes_nothing(strange, capsys, arguments
     assert said.err.count("\n") == 1
     assert len(said.err) < 500
     assert not (strange / "out").exists()
+
+
+LATE = [
+    ["solve", "scene.png", "--piece-size", "24"], ["bench", "puzzles", ".", "--piece-size", "24"],
+    ["tables", "4.1", ".", "--grids", "3"], ["tables", "5.2", ".", "--pieces", "24"],
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("arguments", LATE, ids=lambda arguments: " ".join(arguments[:2]))
+@pytest.mark.parametrize("error", [BadInput, KeyboardInterrupt])
+def test_what_goes_wrong_late_leaves_no_empty_folder(here, monkeypatch, capsys, arguments, error):
+    """The folder was proven writable before; what stood in one that was there already stays."""
+
+    def fail(*_, **__):
+        assert (here / "new").exists() or (here / "old").exists()
+        raise error("This cannot be done.")
+
+    for module, name in ((solving, "solve"), (benching, "run_plan"), (thesis_tables, "table_4_1"), (thesis_tables, "table_5_2")):
+        monkeypatch.setattr(module, name, fail)
+    assert main([*arguments, "--out", "new/deep"]) == (2 if error is BadInput else 130)
+    assert capsys.readouterr().err == f"concord: {'This cannot be done.' if error is BadInput else 'stopped.'}\n"
+    assert not (here / "new").exists()
+    (here / "old").mkdir()
+    assert main([*arguments, "--out", "old"]) != 0
+    assert names(here / "old") == set()
+    (here / "old/kept.txt").write_text("")
+    assert main([*arguments, "--out", "old"]) != 0
+    assert names(here / "old") == {"kept.txt"}
+
+
+def test_a_picture_too_small_for_a_table_leaves_no_folder(here, capsys):
+    Image.new("RGB", (20, 20)).save("small.png")
+    assert main(["tables", "5.2", ".", "--pieces", "192", "--out", "out"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert not (here / "out").exists()
 
 
 @pytest.mark.parametrize("command", ["solve", "cut"])

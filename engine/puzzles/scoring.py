@@ -16,7 +16,7 @@ class Scores:
     """Shares in [0, 1], as the literature counts them; tie-aware ones take identical pieces for equal.
 
     `direct`: pieces at their true place (of the picture where its frame is known, else up to one shift of each
-    picture; up to one turn of the whole where pieces are turned). `neighbour`: truly touching pairs that touch in the
+    picture; up to one turn of the whole, with its frame, where pieces are turned). `neighbour`: truly touching pairs that touch in the
     same way. `largest_component`: pieces in the largest group held together by such pairs. `perfect`: all pieces at
     their true places.
     """
@@ -49,7 +49,7 @@ def score(puzzle: Puzzle, truth: Truth, solution: PuzzleSolution) -> Scores:
     """All scores of a solution."""
     true = _layout(puzzle, truth.picture, truth.position, truth.turns)
     found = _layout(puzzle, solution.picture, solution.position, solution.turns)
-    shift = _alignment(puzzle, true, found)
+    shift = _alignment(puzzle, truth, solution, true, found)
     right = _right_places(true, found, shift)
     touching = contacts(puzzle, truth.picture, truth.position, truth.turns)
     kept = _same_beside(true, found, touching)
@@ -66,7 +66,7 @@ def right_places(puzzle: Puzzle, truth: Truth, solution: PuzzleSolution) -> np.n
     """Which pieces stand at their true places, (n,) bool."""
     true = _layout(puzzle, truth.picture, truth.position, truth.turns)
     found = _layout(puzzle, solution.picture, solution.position, solution.turns)
-    return _right_places(true, found, _alignment(puzzle, true, found))
+    return _right_places(true, found, _alignment(puzzle, truth, solution, true, found))
 
 
 def right_joins(puzzle: Puzzle, truth: Truth, solution: PuzzleSolution) -> np.ndarray:
@@ -76,29 +76,59 @@ def right_joins(puzzle: Puzzle, truth: Truth, solution: PuzzleSolution) -> np.nd
     return _same_beside(true, found, solution.joins.sides[:, [0, 2]])
 
 
-def _alignment(puzzle: Puzzle, true: _Layout, found: _Layout) -> dict[int, tuple[int, int, np.ndarray]]:
+def _alignment(
+    puzzle: Puzzle, truth: Truth, solution: PuzzleSolution, true: _Layout, found: _Layout
+) -> dict[int, tuple[int, int, np.ndarray]]:
     """For each picture found: the true picture, the turn and the shift that bring most of its pieces to their places.
 
-    No shift is looked for where the frame is known, no turn where pieces are not turned.
+    No shift is looked for where the frame is known, only what a turn of the frame brings with it; no turn where pieces
+    are not turned.
     """
+    framed = puzzle.frame is not None and (puzzle.pictures == 1 or not puzzle.turned)
     result = {}
     for k in np.unique(found.picture[found.picture != UNPLACED]):
         on = np.flatnonzero(found.picture == k)
-        best = (-1, 0, 0, np.zeros(2))
-        for turn in range(4) if puzzle.turned else (0,):
-            moved = turned_vectors(found.centre[on], np.full(len(on), turn))
-            fits = (found.turns[on] + turn) % 4 == true.turns[on]
-            if puzzle.frame is not None and not puzzle.turned:
-                result[int(k)] = (int(true.picture[on[0]]), 0, np.zeros(2))
-                break
-            shift = np.round(true.centre[on] - moved, 1)
-            rows, counts = np.unique(np.column_stack([true.picture[on], shift])[fits], axis=0, return_counts=True)
-            if len(counts) and counts.max() > best[0]:
-                row = rows[counts.argmax()]
-                best = (int(counts.max()), int(row[0]), turn, row[1:])
+        turns = range(4) if puzzle.turned else range(1)
+        if framed:
+            picture = int(true.picture[on[0]])
+            size = solution.sizes[k] if k < len(solution.sizes) else truth.sizes[picture]
+            result[int(k)] = _in_frame(true, found, on, picture, turns, truth.sizes[picture], size)
         else:
-            result[int(k)] = best[1:]
+            result[int(k)] = _anywhere(true, found, on, turns)
     return result
+
+
+def _in_frame(
+    true: _Layout, found: _Layout, on: np.ndarray, picture: int, turns: range, frame: np.ndarray, size: np.ndarray
+) -> tuple[int, int, np.ndarray]:
+    """The turn that maps a picture of `size` (w, h) onto its true `frame` (w, h) and most pieces to their places.
+
+    A picture of another size than its frame, lying or standing, is taken to have begun at the same corner.
+    """
+    w, h = frame
+    shifts = np.array([(0, 0), (w, 0), (w, h), (0, h)], dtype=np.float64)
+    possible = [t for t in turns if np.array_equal(size[::-1] if t % 2 else size, frame)] or list(turns)
+
+    def right(turn: int) -> int:
+        near = np.abs(turned_vectors(found.centre[on], np.full(len(on), turn)) + shifts[turn] - true.centre[on]) <= TOLERANCE
+        return int((near.all(axis=1) & ((found.turns[on] + turn) % 4 == true.turns[on]) & (true.picture[on] == picture)).sum())
+
+    best = max(possible, key=right)
+    return picture, best, shifts[best]
+
+
+def _anywhere(true: _Layout, found: _Layout, on: np.ndarray, turns: range) -> tuple[int, int, np.ndarray]:
+    """The true picture, the turn and the shift on which most pieces `on` a picture agree."""
+    best = (-1, 0, 0, np.zeros(2))
+    for turn in turns:
+        moved = turned_vectors(found.centre[on], np.full(len(on), turn))
+        fits = (found.turns[on] + turn) % 4 == true.turns[on]
+        shift = np.round(true.centre[on] - moved, 1)
+        rows, counts = np.unique(np.column_stack([true.picture[on], shift])[fits], axis=0, return_counts=True)
+        if len(counts) and counts.max() > best[0]:
+            row = rows[counts.argmax()]
+            best = (int(counts.max()), int(row[0]), turn, row[1:])
+    return best[1:]
 
 
 def _moved(found: _Layout, alignment: dict[int, tuple[int, int, np.ndarray]]) -> _Layout:

@@ -1,5 +1,7 @@
 """Scores of solutions: hand-made placements with known values."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -72,6 +74,40 @@ def test_a_picture_may_be_turned_as_a_whole_where_pieces_are():
     found = score(puzzle, truth_of(SQUARE), solved(puzzle, quarter, turns=np.ones(4)))
     assert (found.direct, found.neighbour) == (1, 1)
     assert score(puzzle, truth_of(SQUARE), solved(puzzle, quarter)).neighbour == 0  # moved but not turned
+
+
+WIDE = [(0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (2, 1)]
+
+
+@pytest.mark.parametrize("turn", [0, 1, 2, 3])
+def test_a_turned_picture_lies_in_its_frame_where_that_is_known(turn):
+    """A picture of 3 × 2 squares turned as a whole with its frame is right; one column off in it, or round it, is not."""
+    grey = np.arange(16).reshape(4, 4)
+    colours = [grey + 20 * k for k in range(6)]
+    x, y = np.array(WIDE).T
+    places = [(x, y), (1 - y, x), (2 - x, 1 - y), (y, 2 - x)][turn]
+    truth = replace(truth_of(WIDE), sizes=np.array([(12, 8)]))
+    sizes = np.array([(12, 8) if turn % 2 == 0 else (8, 12)])
+    along = np.array((1, 0) if turn % 2 == 0 else (0, 1))
+    cells, long = np.column_stack(places), int(np.max(places)) + 1
+    round_it = np.where(along, (cells + 1) % long, cells)
+    for frame, off, round_about in (((12, 8), 0.0, 0.0), (None, 1.0, 4 / 6)):
+        puzzle = puzzle_of(colours, frame=frame, turned=True)
+        found = [replace(solved(puzzle, where, turns=np.full(6, turn)), sizes=sizes) for where in (cells, cells + along, round_it)]
+        scores = [score(puzzle, truth, solution) for solution in found]
+        assert [s.direct for s in scores] == pytest.approx([1.0, off, round_about])
+        assert scores[0].perfect
+        assert scores[1].neighbour == 1
+        assert scores[1].direct_tie_aware == off
+        assert right_places(puzzle, truth, found[1]).mean() == off
+
+
+def test_a_picture_that_outgrew_its_frame_still_has_right_places():
+    """One piece hangs out of the frame, so that the picture is larger than it; the others are where they belong."""
+    grey = np.arange(16).reshape(4, 4)
+    puzzle = puzzle_of([grey, grey + 20, grey + 40, grey + 60], frame=(8, 8), turned=True)
+    out = replace(solved(puzzle, [*SQUARE[:3], (2, 1)]), sizes=np.array([(12, 8)]))
+    assert score(puzzle, truth_of(SQUARE), out).direct == 0.75
 
 
 def test_unplaced_pieces_are_wrong():

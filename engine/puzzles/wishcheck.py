@@ -12,21 +12,36 @@ from .solution import Joins, Wishes
 from .turning import turned_raster
 
 SLACK = 2  # pixels by which outlines of polygons may be off
+GRAZE = 1  # pixels by which a polygon may be off a forbidden join and still make it, as the solver counts
+STEPS = ((0, -1), (1, 0), (0, 1), (-1, 0))  # from a square to its neighbour at each side
 State = tuple[int, int, int]  # x, y of a turned raster, and its quarter turns
 
 
 def check_wishes(puzzle: Puzzle, wishes: Wishes) -> None:
-    """Raise `BadInput` in one sentence for the first wish that cannot be, or contradicts another."""
+    """Raise `BadInput` in one sentence for the first wish that cannot be, or contradicts another.
+
+    With pins a known frame lies as it is given; without it, nothing may reach further than the pieces side by side.
+    """
     for joins, word in ((wishes.locked, "locked"), (wishes.forbidden, "forbidden")):
         _check_ends(puzzle, joins, word)
     _check_sides(puzzle, wishes)
     _check_pins(puzzle, wishes)
     for chain, pinned in chains(puzzle, wishes):
         _check_places(puzzle, chain, pinned)
+        _check_forbidden(puzzle, wishes, chain, pinned)
+
+
+def relation(puzzle: Puzzle, joins: Joins, row: int) -> tuple[Offset, int]:
+    """Where a join puts b while a stands as it was read: its offset in pixels and quarter turns; sides say it of squares."""
+    if puzzle.square is None:
+        return (int(joins.offset[row, 0]), int(joins.offset[row, 1])), int(joins.turn[row]) % 4
+    _, side_a, _, side_b = joins.sides[row].tolist()
+    x, y = STEPS[side_a]
+    return (puzzle.square * x, puzzle.square * y), (side_a + 2 - side_b) % 4
 
 
 def _check_ends(puzzle: Puzzle, joins: Joins, word: str) -> None:
-    for (a, side_a, b, side_b), turn in zip(joins.sides.tolist(), joins.turn.tolist(), strict=True):
+    for row, (a, side_a, b, side_b) in enumerate(joins.sides.tolist()):
         for piece, side in ((a, side_a), (b, side_b)):
             if not 0 <= piece < puzzle.count:
                 raise BadInput(f"A {word} join names piece {piece}; pieces are numbered 0 to {puzzle.count - 1}.")
@@ -35,7 +50,7 @@ def _check_ends(puzzle: Puzzle, joins: Joins, word: str) -> None:
                 raise BadInput(f"A {word} join names side {side} of piece {piece}, which has the sides 0 to {last}.")
         if a == b:
             raise BadInput(f"A {word} join joins piece {a} to itself; remove it.")
-        if word == "locked" and turn % 4 and not puzzle.turned:
+        if word == "locked" and not puzzle.turned and relation(puzzle, joins, row)[1]:
             raise BadInput(f"The locked join of pieces {a} and {b} turns a piece, but pieces are not turned here; use --rotate.")
 
 
@@ -87,9 +102,8 @@ def chains(puzzle: Puzzle, wishes: Wishes) -> list[tuple[dict[int, State], bool]
     Raises `BadInput` where a chain does not close or two pins contradict what is locked between them.
     """
     beside: dict[int, list[tuple[int, Offset, int, str]]] = defaultdict(list)
-    for (a, _, b, _), (dx, dy), turn in zip(
-        wishes.locked.sides.tolist(), wishes.locked.offset.tolist(), wishes.locked.turn.tolist(), strict=True
-    ):
+    for row, (a, _, b, _) in enumerate(wishes.locked.sides.tolist()):
+        (dx, dy), turn = relation(puzzle, wishes.locked, row)
         words = f"of pieces {a} and {b}"
         beside[a].append((b, (dx, dy), turn, words))
         back, sizes = (-dx, -dy), (size_of(puzzle.pieces[b], turn), size_of(puzzle.pieces[a], 0))
@@ -139,7 +153,7 @@ def _slack(puzzle: Puzzle) -> int:
 
 
 def _check_places(puzzle: Puzzle, chain: dict[int, State], pinned: bool) -> None:
-    """Pieces of a chain must not overlap, and must fit into a known frame."""
+    """Pieces of a chain must not overlap, must fit into a known frame, and lie near each other without one."""
     order = sorted(chain)
     boxes = np.array([(*chain[i][:2], *np.add(chain[i][:2], size_of(puzzle.pieces[i], chain[i][2]))) for i in order])
     for k, i in enumerate(order):
@@ -148,18 +162,59 @@ def _check_places(puzzle: Puzzle, chain: dict[int, State], pinned: bool) -> None
             if _overlap(puzzle, (order[j], i), (chain[order[j]], chain[i])):
                 said = "pinned" if pinned else "locked"
                 raise BadInput(f"Pieces {order[j]} and {i} would overlap as they are {said}; unlock or unpin one of them.")
-    if puzzle.frame is not None and puzzle.pictures == 1:
-        _check_frame(puzzle.frame, boxes, pinned, puzzle.turned)
+    frame = _frame(puzzle)
+    if frame is None:
+        _check_reach(puzzle, boxes, pinned)
+    elif pinned:
+        if (boxes[:, :2] < -_slack(puzzle)).any() or (boxes[:, 2:] > np.add(frame, _slack(puzzle))).any():
+            raise BadInput(f"A piece is pinned or locked outside the picture of {frame[0]} × {frame[1]} pixels; unpin or unlock it.")
+    else:
+        _check_extent(puzzle, frame, boxes)
 
 
-def _check_frame(frame: tuple[int, int], boxes: np.ndarray, pinned: bool, turned: bool) -> None:
-    w, h = frame
-    if pinned and ((boxes[:, :2] < -SLACK).any() or (boxes[:, 2:] > np.add((w, h) if not turned else (max(w, h),) * 2, SLACK)).any()):
-        raise BadInput(f"A piece is pinned or locked outside the picture of {w} × {h} pixels; unpin or unlock it.")
+def _frame(puzzle: Puzzle) -> tuple[int, int] | None:
+    """The known size of the one picture; None where it is unknown or too small for all squares, so that none can keep to it."""
+    if puzzle.frame is None or puzzle.pictures > 1:
+        return None
+    px = puzzle.square
+    if px is not None and (puzzle.frame[0] // px) * (puzzle.frame[1] // px) < puzzle.count:
+        return None
+    return puzzle.frame
+
+
+def _check_extent(puzzle: Puzzle, frame: tuple[int, int], boxes: np.ndarray) -> None:
+    (w, h), slack = frame, _slack(puzzle)
     extent = boxes[:, 2:].max(axis=0) - boxes[:, :2].min(axis=0)
-    fits = bool(np.all(extent <= np.add((w, h), SLACK)) or (turned and np.all(extent <= np.add((h, w), SLACK))))
+    fits = bool(np.all(extent <= np.add((w, h), slack)) or (puzzle.turned and np.all(extent <= np.add((h, w), slack))))
     if not fits:
         raise BadInput(f"The locked pieces reach over {extent[0]} × {extent[1]} pixels, more than the picture of {w} × {h}; unlock some.")
+
+
+def _check_reach(puzzle: Puzzle, boxes: np.ndarray, pinned: bool) -> None:
+    """No picture without a frame is wider than all its pieces side by side; pins lie near its corner (0, 0), too."""
+    reach = sum(max(piece.mask.shape) for piece in puzzle.pieces)
+    starts = np.concatenate([boxes[:, :2], np.zeros((int(pinned), 2), dtype=boxes.dtype)])
+    apart = int((starts.max(axis=0) - starts.min(axis=0)).max())
+    if apart > reach:
+        what = "Pieces are pinned" if pinned else "Locked pieces lie"
+        raise BadInput(f"{what} {apart} pixels from each other or from the picture's corner, but all {puzzle.count} pieces side by "
+                       f"side reach over {reach}; bring them nearer.")  # fmt: skip
+
+
+def _check_forbidden(puzzle: Puzzle, wishes: Wishes, chain: dict[int, State], pinned: bool) -> None:
+    """What pins and locked joins put side by side must not be forbidden."""
+    slack = 0 if puzzle.square is not None else GRAZE
+    for row, (a, side_a, b, side_b) in enumerate(wishes.forbidden.sides.tolist()):
+        if a not in chain or b not in chain:
+            continue
+        offset, turn = relation(puzzle, wishes.forbidden, row)
+        x, y, turns = chain[a]
+        step = _turned(offset, size_of(puzzle.pieces[a], 0), size_of(puzzle.pieces[b], turn), turns)
+        u, v, there = chain[b]
+        if there == (turns + turn) % 4 and max(abs(x + step[0] - u), abs(y + step[1] - v)) <= slack:
+            what = "pins and locked joins put" if pinned else "locked joins put"
+            raise BadInput(f"The join of piece {a} side {side_a} and piece {b} side {side_b} is forbidden, but {what} the two there; "
+                           "allow it, or unlock or unpin one of them.")  # fmt: skip
 
 
 def _overlap(puzzle: Puzzle, pieces: Sequence[int], places: Sequence[State]) -> bool:

@@ -12,6 +12,7 @@ from puzzle_world import COLUMNS, PX, ROWS, cut_up, joins_of, picture, solved, t
 from engine.errors import BadInput
 from engine.puzzlereport import puzzle_report, reliability
 from engine.puzzles.cutting import cut, mix
+from engine.puzzles.identity import size_of, turned_offset
 from engine.puzzles.parameters import PuzzleParameters
 from engine.puzzles.pieces import Puzzle
 from engine.puzzles.rendering import (
@@ -332,6 +333,7 @@ def join(a, side_a, b, side_b):
 
 
 RIGHT_01, RIGHT_12, DOWN_03, DOWN_14 = join(0, 1, 1, 3), join(1, 1, 2, 3), join(0, 2, 3, 0), join(1, 2, 4, 0)
+DOWN_01 = join(0, 2, 1, 0)
 CONTRADICTIONS = [
     ({"locked": [join(0, 1, 99, 3)]}, "names the piece 99"), ({"locked": [join(0, 4, 1, 3)]}, "names the side 4"),
     ({"locked": [join("nobody", 1, 1, 3)]}, "'nobody'"), ({"locked": [join(True, 1, 1, 3)]}, "True"),
@@ -349,6 +351,11 @@ CONTRADICTIONS = [
     ({"pinned": [{"piece": 0, "x": "a", "y": 0}]}, "whole numbers"), ({"pinned": [{"piece": 0, "y": 0}]}, "whole numbers"),
     ({"locked": [RIGHT_01], "pinned": [{"piece": 0, "x": 0, "y": 0}, {"piece": 1, "x": 16, "y": 0}]}, "contradicts the pins"),
     ({"locked": [RIGHT_01], "pinned": [{"piece": 0, "x": 24, "y": 0}]}, "outside"),
+    ({"locked": [RIGHT_01], "pinned": [{"piece": 1, "x": 0, "y": 0}]}, "outside"),
+    ({"locked": [RIGHT_01, DOWN_14, DOWN_03], "forbidden": [join(4, 3, 3, 1)]}, "piece 4 side 3 and piece 3 side 1 is forbidden, but locked joins put"),
+    ({"pinned": [{"piece": 0, "x": 8, "y": 8}, {"piece": 1, "x": 8, "y": 16}], "forbidden": [DOWN_01]}, "forbidden, but pins"),
+    ({"locked": [RIGHT_12], "pinned": [{"piece": 0, "x": 0, "y": 0}, {"piece": 2, "x": 16, "y": 0}], "forbidden": [RIGHT_01]},
+     "piece 0 side 1 and piece 1 side 3 is forbidden, but pins and locked joins put"),
     ({"locked": {}}, "must be a list"), ({"locked": [1]}, "must be a list"),
 ]  # fmt: skip
 
@@ -365,7 +372,8 @@ def test_a_contradiction_is_one_sentence(tmp_path, content, words):
     "content",
     [{}, {"locked": [RIGHT_01, RIGHT_01]}, {"locked": [RIGHT_01, DOWN_03, DOWN_14, join(3, 1, 4, 3)]},
      {"locked": [RIGHT_01], "pinned": [{"piece": 0, "x": 8, "y": 0}, {"piece": 1, "x": 16, "y": 0}]},
-     {"locked": [RIGHT_01], "forbidden": [join(0, 1, 2, 3)]}],
+     {"locked": [RIGHT_01], "forbidden": [join(0, 1, 2, 3)]}, {"locked": [RIGHT_01], "forbidden": [join(1, 1, 0, 3)]},
+     {"pinned": [{"piece": 0, "x": 8, "y": 8}, {"piece": 1, "x": 16, "y": 8}], "forbidden": [DOWN_01]}],
 )  # fmt: skip
 def test_what_agrees_is_taken(tmp_path, content):
     write(tmp_path, content)
@@ -387,6 +395,70 @@ def test_the_truth_never_contradicts_itself():
     check_wishes(puzzle, Wishes(pinned=pins))
     with pytest.raises(BadInput, match="overlap"):
         check_wishes(puzzle, Wishes(pinned=(pins[0], pins[1]._replace(x=pins[0].x, y=pins[0].y))))
+
+
+def pins_of(*places):
+    return Wishes(pinned=tuple(Pin(i, PX * x, PX * y) for i, (x, y) in enumerate(places)))
+
+
+def test_pins_and_what_is_locked_to_them_stay_in_the_frame_as_it_lies():
+    """A frame of 4 × 3 cells stands for no pin, though a locked chain of four may stand in it while nothing is pinned."""
+    puzzle, _ = cut_up(turned=True)
+    check_wishes(puzzle, pins_of((3, 2), (0, 0)))
+    with pytest.raises(BadInput, match="outside the picture of 32 × 24"):
+        check_wishes(puzzle, pins_of((0, 0), (2, 3)))
+    column = [(k, 2, k + 1, 0) for k in range(3)]
+    locked = Joins(column, np.zeros((3, 2)), np.zeros(3), np.ones(3))
+    check_wishes(puzzle, Wishes(locked))
+    with pytest.raises(BadInput, match="outside the picture"):
+        check_wishes(puzzle, Wishes(locked, pinned=(Pin(0, 0, 0),)))
+    check_wishes(puzzle, Wishes(locked, pinned=(Pin(0, 0, 0, 3),)))  # the column lies down, to the right
+    with pytest.raises(BadInput, match="outside the picture"):
+        check_wishes(puzzle, Wishes(locked, pinned=(Pin(0, 0, 0, 1),)))  # to the left
+    check_wishes(replace(puzzle, frame=None), Wishes(locked, pinned=(Pin(0, 0, 0),)))
+    check_wishes(replace(puzzle, frame=(2 * PX, 2 * PX)), Wishes(locked))  # too small for anybody to keep to
+
+
+def test_without_a_frame_pins_are_no_further_apart_than_the_pieces_reach():
+    puzzle = replace(cut_up()[0], frame=None)
+    n = puzzle.count
+    for fine in (pins_of((n, 0)), pins_of((-2, 0), (n - 2, 0)), pins_of((0, 0), (0, n))):
+        check_wishes(puzzle, fine)
+    for far in (pins_of((n + 1, 0)), pins_of((-2, 0), (n - 1, 0)), pins_of((0, 0), (0, n + 1)), pins_of((0, -10**9))):
+        with pytest.raises(BadInput, match="bring them nearer"):
+            check_wishes(puzzle, far)
+    polygons, _ = cut(picture(16), kind="triangles", piece_size=16, seed=0)
+    far = Joins([[0, 0, 1, 0]], [[10**9, 0]], [0], [1])
+    with pytest.raises(BadInput, match="bring them nearer"):
+        check_wishes(replace(polygons, frame=None), Wishes(far))
+
+
+def test_sides_alone_say_how_squares_are_joined():
+    """What a join says of offset and turn besides is not needed: two joins that contradict each other do so without it."""
+    puzzle, _ = cut_up()
+    around = Joins([(0, 1, 1, 3), (1, 2, 2, 0), (2, 3, 3, 1), (3, 0, 4, 2)], np.zeros((4, 2)), np.zeros(4), np.ones(4))
+    with pytest.raises(BadInput, match="Pieces 0 and 4 would overlap"):
+        check_wishes(puzzle, Wishes(around))
+    with pytest.raises(BadInput, match="turns a piece"):
+        check_wishes(puzzle, Wishes(Joins([(0, 1, 1, 1)], [[PX, 0]], [0], [1])))
+
+
+def test_polygons_may_not_be_pinned_into_a_forbidden_join():
+    """A true join of two merged pieces, forbidden and pinned; slid by more than a pixel it is another."""
+    puzzle, truth = cut(picture(16), kind="merged", piece_size=16, turned=True, seed=2)
+    a, b = 0, int(np.argmin(np.abs(truth.position[1:] - truth.position[0]).sum(axis=1))) + 1
+    pins = tuple(Pin(i, *truth.position[i].tolist(), int(truth.turns[i])) for i in (a, b))
+    here, there = (size_of(puzzle.pieces[i], int(truth.turns[i])) for i in (a, b))
+    offset = tuple((truth.position[b] - truth.position[a]).tolist())
+    for _ in range(-int(truth.turns[a]) % 4):  # turned together until a stands as it was read
+        offset, here, there = turned_offset(offset, here, there), here[::-1], there[::-1]
+    for off, refused in ((0, True), (1, True), (2, False)):
+        forbidden = Joins([[a, 0, b, 0]], [(offset[0] + off, offset[1])], [(truth.turns[b] - truth.turns[a]) % 4], [1])
+        if refused:
+            with pytest.raises(BadInput, match="is forbidden, but pins"):
+                check_wishes(puzzle, Wishes(forbidden=forbidden, pinned=pins))
+        else:
+            check_wishes(puzzle, Wishes(forbidden=forbidden, pinned=pins))
 
 
 def test_parameters_of_a_solution_are_those_it_was_made_with(world):

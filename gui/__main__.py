@@ -3,15 +3,15 @@
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 if TYPE_CHECKING:
     from engine.shapes.result import MatchResult
     from engine.shapes.segmentation import SegmentedShape
 
 
-def open_window(pair: Sequence[str] = (), labels: tuple[str | None, str | None] = (None, None)) -> int:
-    """Open the window on a pair of files or on the example; 2 and one sentence where there can be no window."""
+def open_window(files: Sequence[str] = (), labels: tuple[str | None, str | None] = (None, None)) -> int:
+    """Open the window on two meshes, on one picture or folder of pieces, or on the example; 2 where there can be no window."""
     from .display import problem
 
     sentence = problem()
@@ -20,7 +20,7 @@ def open_window(pair: Sequence[str] = (), labels: tuple[str | None, str | None] 
         return 2
     from .startup import run
 
-    return run(pair, labels)
+    return run(files, labels)
 
 
 def report_pictures(
@@ -39,23 +39,43 @@ def report_pictures(
         return []
 
 
+def puzzle_path(path: Path) -> Path:
+    """The path of a picture or a folder of pieces; raises `BadInput` for anything else."""
+    from engine.errors import BadInput
+    from engine.puzzles.imagefile import SUFFIXES
+
+    if not path.exists():
+        raise BadInput(f"There is no {path}; name two meshes, a picture, or a folder of pieces.")
+    if not path.is_dir() and path.suffix.lower() not in SUFFIXES:
+        raise BadInput(f"{path} is neither a picture nor a folder of pieces; to compare meshes, name two.")
+    return path
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command `concord` and return its exit code."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     if not arguments:
         return open_window()
+    from cyclopts import Parameter
+
     from annotation.__main__ import app as study
-    from engine.__main__ import Source, SourceLabels, Target, TargetLabels, build_app
+    from engine.__main__ import SourceLabels, TargetLabels, build_app
     from engine.cli import run
 
     app = build_app(report_pictures)
     app.command(study, name="study")
 
     @app.command(name="open")
-    def open_pair(
-        source: Source, target: Target, *, source_labels: SourceLabels = None, target_labels: TargetLabels = None
+    def open_files(
+        source: Annotated[Path, Parameter(help="First mesh; or, alone, a picture to cut or a folder of pieces.")],
+        target: Annotated[Path | None, Parameter(help="Second mesh.")] = None,
+        *,
+        source_labels: SourceLabels = None,
+        target_labels: TargetLabels = None,
     ) -> int:
-        """Open the window on two meshes."""
+        """Open the window on two meshes, on a picture to be cut into pieces, or on a folder of pieces."""
+        if target is None:
+            return open_window((str(puzzle_path(source)),))
         first, second = (str(file) if file else None for file in (source_labels, target_labels))
         return open_window((str(source), str(target)), (first, second))
 

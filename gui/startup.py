@@ -29,13 +29,15 @@ def load_modules(progress: Progress) -> None:
             glprobe.problem()
 
 
-def open_window(window: MainWindow, pair: Sequence[str] = (), labels: Labels = (None, None)) -> None:
-    """Show the window, furnish it behind its first paint, and open a pair of files or the example."""
+def open_window(window: MainWindow, files: Sequence[str] = (), labels: Labels = (None, None)) -> None:
+    """Show the window, furnish it behind its first paint, and open two meshes, one puzzle or the example."""
 
     def furnished(_: None) -> None:
         window.furnish()
-        if pair:
-            window.files.pair(*pair, labels)
+        if len(files) == 2:
+            window.files.pair(*files, labels)
+        elif files:
+            window.puzzle.drop(list(files))
         else:
             window.open_example()
 
@@ -43,13 +45,13 @@ def open_window(window: MainWindow, pair: Sequence[str] = (), labels: Labels = (
     QTimer.singleShot(0, lambda: window.jobs.start("modules", load_modules, furnished, words="Opening"))
 
 
-def run(pair: Sequence[str] = (), labels: Labels = (None, None)) -> int:
+def run(files: Sequence[str] = (), labels: Labels = (None, None)) -> int:
     """Open the window and stay until it is closed; returns the exit code."""
     app = QApplication.instance() or QApplication(sys.argv[:1])
     app.setApplicationName("Concord")
     app.setDesktopFileName("concord")
     window = MainWindow()
-    open_window(window, pair, labels)
+    open_window(window, files, labels)
     signal.signal(signal.SIGINT, lambda *_: window.close())  # Ctrl+C in the terminal closes as the mouse does
     awake = QTimer(window, interval=200)  # lets Python see the signal while Qt waits for events
     awake.timeout.connect(lambda: None)

@@ -62,6 +62,27 @@ def test_bad_commands_are_one_sentence_and_two(arguments, capsys, tmp_path, monk
     assert len(said.strip().splitlines()) == 1
 
 
+@pytest.mark.parametrize(
+    ("name", "words"), [("none.png", "no none.png"), ("one.off", "neither a picture nor a folder"), ("nowhere", "no nowhere")]
+)
+def test_one_file_that_is_no_puzzle_is_not_opened(name, words, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "one.off").write_text("OFF")
+    assert main(["open", name]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_open_takes_two_meshes_a_picture_or_a_folder(tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr("gui.__main__.open_window", lambda *what: opened.append(what) or 0)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "pieces").mkdir()
+    (tmp_path / "beach.JPG").write_text("")
+    for files in (["a.off", "b.off", "--target-labels", "b.seg"], ["beach.JPG"], ["pieces"]):
+        assert main(["open", *files]) == 0
+    assert opened == [(("a.off", "b.off"), (None, "b.seg")), (("beach.JPG",),), (("pieces",),)]
+
+
 def test_commands_without_a_window_import_neither_qt_nor_vtk():
     code = (
         "import sys; from gui.__main__ import main; assert main(['parameters']) == 0; assert main(['study', '-h']) == 0;"

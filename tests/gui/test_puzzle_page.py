@@ -16,15 +16,17 @@ from PySide6.QtWidgets import QApplication
 from engine.errors import BadInput
 from engine.puzzles import solving
 from engine.puzzles.imagefile import png_bytes, read_image
+from engine.puzzles.piecefolder import write_pieces
 from engine.puzzles.solution import Pin
 from engine.puzzles.solving import candidate_joins
 from gui import folders
 from gui.main_window import MainWindow
 from gui.pages.puzzle_edits import NO_WISHES
-from gui.pages.puzzle_files import CutDialog
+from gui.pages.puzzle_files import CutDialog, PuzzleFiles
 from gui.pages.puzzle_hands import pin_of
 from gui.pages.puzzle_solving import Cut, check_droppable
 from gui.pages.puzzle_state import frame_known, opened
+from gui.startup import open_window
 from gui.views.puzzle_scene import bins, join_key, join_keys, seams
 
 
@@ -95,6 +97,23 @@ def test_a_puzzle_is_solved_shown_and_compared_with_the_truth(ready):
     assert not len(page.view.overlay.wrong_pieces)
     assert "24 pieces · all placed" in ready.status.text.text()
     assert len(now.items) == len(now.solution.joins)
+
+
+def test_the_window_starts_on_a_picture_or_a_folder(qtbot, tmp_path, monkeypatch):
+    """A folder of pieces is there at once, a picture after somebody said how to cut it."""
+    monkeypatch.setenv("CONCORD_HOME", str(tmp_path / "data"))
+    pieces, asked = tmp_path / "pieces", []
+    write_pieces(cut_small()[0], pieces)
+    monkeypatch.setattr(PuzzleFiles, "ask_cut", lambda _, path: asked.append(path))
+    for path in (str(pieces), "beach.jpg"):
+        made = MainWindow(dark=False)
+        qtbot.addWidget(made)
+        open_window(made, (path,))
+        qtbot.waitUntil(lambda made=made: made.furnished and not made.jobs.busy() and not made.study_jobs.busy(), timeout=60_000)
+        assert made.page == "puzzle"
+        assert (state(made).puzzle is not None) == (path == str(pieces)), made.messages.text.text()
+        made.close()
+    assert asked == ["beach.jpg"]
 
 
 def test_nothing_runs_before_somebody_presses_solve(window, qtbot):

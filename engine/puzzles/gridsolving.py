@@ -12,7 +12,7 @@ from .candidates import Candidates, shortlist
 from .completing import Layout, complete
 from .dissection import SMALLEST
 from .evidence import evidence
-from .gridreading import confidence_of, read_solution, touching_sides
+from .gridreading import confidence_of, read_solution, rows_of, touching_sides
 from .gridwishes import GridJob, PreparedGrid, with_wishes
 from .learned import learned_probability, single_probability
 from .measures import Strips, side_strips
@@ -23,6 +23,8 @@ from .solution import UNPLACED, PuzzleSolution, Wishes
 LEAST = 0.4  # probability below which no method joins blocks before contacts are summed
 SURE_ENOUGH = 0.5  # the default tries other ways where joins of the first are less likely than this
 LEAST_JOINED = 0.75  # share of sides surely joined below which borders may be worn
+KEPT = (0.0, 2.0, 0.5, 4.0)  # log odds of the joins that are kept when a picture is taken apart
+MOST_REBUILT = 10  # times
 MOST_FOR_LP = 4000  # pieces up to which the default tries the linear programme too
 
 
@@ -89,10 +91,39 @@ def assemble_grid(
         blocks = (assembly.grown_greedily(job.probability, job.candidates, job.start, job.rules, LEAST)
                   if order is None else grow_blocks(job.candidates.pairs, order, job.start, job.rules)[0])  # fmt: skip
         layouts[method] = _completed(blocks, job, parameters, share(step, 0.4, 1.0))
-    best = max(layouts, key=lambda name: layouts[name].worth - 10.0 * (layouts[name].picture == UNPLACED).sum())
+    best = max(layouts, key=lambda name: _judged(layouts[name]))
+    if parameters.method == "auto" and not _all_likely(job, layouts[best]):
+        layouts[best] = _rebuilt(layouts[best], job, parameters, progress)
     seconds["assembly"] = time.perf_counter() - began
     progress(1.0, "assembled")
     return read_solution(job, best, layouts, confirmed, parameters, wishes, seconds, prepared.notes)
+
+
+def _judged(layout: Layout) -> float:
+    return layout.worth - 10.0 * float((layout.picture == UNPLACED).sum())
+
+
+def _rebuilt(layout: Layout, job: GridJob, parameters: PuzzleParameters, progress: Progress) -> Layout:
+    """The layout taken apart where its joins are weak and completed anew, as long as the judge finds it better.
+
+    What was filled in or moved so far counts when blocks are merged again; in turns more and less is kept.
+    """
+    idle = 0
+    for number in range(MOST_REBUILT):
+        progress(1.0, "looking at weak joins again")
+        rows = rows_of(job.candidates, touching_sides(layout))
+        odds = job.evidence.logit[rows]
+        kept = rows[(rows >= 0) & (odds >= KEPT[number % len(KEPT)])]
+        order = kept[np.argsort(-job.evidence.logit[kept], kind="stable")]
+        blocks = grow_blocks(job.candidates.pairs, order, job.start, job.rules)[0]
+        again = _completed(blocks, job, parameters, lambda share, words: progress(1.0, words))
+        if _judged(again) > _judged(layout) + 1e-6:
+            layout, idle = again, 0
+        else:
+            idle += 1
+        if idle == len(KEPT):
+            break
+    return layout
 
 
 def _methods(method: str, n: int) -> tuple[str, ...]:
@@ -140,6 +171,10 @@ def _settled(job: GridJob, layouts: dict[str, Layout]) -> bool:
     first, *others = layouts.values()
     if others and any(abs(first.worth - other.worth) < 1e-6 for other in others):
         return True
-    if (first.picture == UNPLACED).any():
+    return _all_likely(job, first)
+
+
+def _all_likely(job: GridJob, layout: Layout) -> bool:
+    if (layout.picture == UNPLACED).any():
         return False
-    return bool((confidence_of(job, touching_sides(first)) >= SURE_ENOUGH).all())
+    return bool((confidence_of(job, touching_sides(layout)) >= SURE_ENOUGH).all())

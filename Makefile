@@ -8,7 +8,11 @@ DEMO := concord-demo
 
 .PHONY: setup system run test lint bench screenshots clean
 
+# Compiled loops do not notice that a function they call in another file has changed: they are made anew then.
 setup: $(READY)
+	@if [ -n "$$(find engine -name '*.py' -newer $(READY) -print -quit)" ]; then \
+	  find engine -name '*.nb[ci]' -delete; touch $(READY); \
+	fi
 
 $(READY): pyproject.toml constraints.txt scripts/setup.sh
 	@scripts/setup.sh $(VENV)
@@ -40,6 +44,7 @@ lint: setup
 bench: setup
 	@$(BIN)/python tests/benchmarks/speed.py
 	@$(BIN)/python tests/benchmarks/presets.py --pairs 30 --seed-from 1000
+	@$(BIN)/python tests/benchmarks/puzzle_speed.py
 
 screenshots: setup system
 	@$(HEADLESS) $(BIN)/python -m gui.screenshots screenshots

@@ -25,6 +25,7 @@ SURE_ENOUGH = 0.5  # the default tries other ways where joins of the first are l
 LEAST_JOINED = 0.75  # share of sides surely joined below which borders may be worn
 KEPT = (0.0, 2.0, 0.5, 4.0)  # log odds of the joins that are kept when a picture is taken apart
 MOST_REBUILT = 10  # times
+HOPEFUL = 0.5  # share of sides surely joined above which all that may help is tried
 MOST_FOR_LP = 4000  # pieces up to which the default tries the linear programme too
 
 
@@ -81,7 +82,8 @@ def assemble_grid(
     seconds = dict(prepared.seconds)
     layouts: dict[str, Layout] = {}
     confirmed: dict[str, np.ndarray] = {}
-    methods = _methods(parameters.method, n)
+    hopeful = surely_joined(job.probability, job.candidates) >= HOPEFUL
+    methods = _methods(parameters.method, n, hopeful)
     for number, method in enumerate(methods):
         step = share(progress, number / len(methods), (number + 1) / len(methods))
         step(0.0, f"assembling: {method}")
@@ -93,7 +95,7 @@ def assemble_grid(
         layouts[method] = _completed(blocks, job, parameters, share(step, 0.4, 1.0))
     best = max(layouts, key=lambda name: _judged(layouts[name]))
     if parameters.method == "auto" and not _all_likely(job, layouts[best]):
-        layouts[best] = _rebuilt(layouts[best], job, parameters, progress)
+        layouts[best] = _rebuilt(layouts[best], job, parameters, MOST_REBUILT if hopeful else len(KEPT), progress)
     seconds["assembly"] = time.perf_counter() - began
     progress(1.0, "assembled")
     return read_solution(job, best, layouts, confirmed, parameters, wishes, seconds, prepared.notes)
@@ -103,13 +105,13 @@ def _judged(layout: Layout) -> float:
     return layout.worth - 10.0 * float((layout.picture == UNPLACED).sum())
 
 
-def _rebuilt(layout: Layout, job: GridJob, parameters: PuzzleParameters, progress: Progress) -> Layout:
+def _rebuilt(layout: Layout, job: GridJob, parameters: PuzzleParameters, most: int, progress: Progress) -> Layout:
     """The layout taken apart where its joins are weak and completed anew, as long as the judge finds it better.
 
     What was filled in or moved so far counts when blocks are merged again; in turns more and less is kept.
     """
     idle = 0
-    for number in range(MOST_REBUILT):
+    for number in range(most):
         progress(1.0, "looking at weak joins again")
         rows = rows_of(job.candidates, touching_sides(layout))
         odds = job.evidence.logit[rows]
@@ -126,10 +128,11 @@ def _rebuilt(layout: Layout, job: GridJob, parameters: PuzzleParameters, progres
     return layout
 
 
-def _methods(method: str, n: int) -> tuple[str, ...]:
+def _methods(method: str, n: int, hopeful: bool) -> tuple[str, ...]:
+    """What is tried; the linear programme, which takes seconds where little is certain, only where it may help."""
     if method != "auto":
         return (method,)
-    return ("mst", "loops", "lp") if n <= MOST_FOR_LP else ("mst", "loops")
+    return ("mst", "loops", "lp") if n <= MOST_FOR_LP and hopeful else ("mst", "loops")
 
 
 def _order(

@@ -32,8 +32,9 @@ class Evidence(NamedTuple):
 
 
 def kinds_of(e: Evidence) -> np.ndarray:
-    """A number (n,) int64 for each piece: equal for pieces whose borders are the same pixel by pixel."""
-    sides = e.outer.reshape(len(e.outer) // 4, -1)
+    """A number (n,) int64 for each piece: equal for pieces whose borders and gradients are the same."""
+    n = len(e.outer) // 4
+    sides = np.concatenate([e.outer.reshape(n, -1), e.mean.reshape(n, -1), e.inverse.reshape(n, -1)], axis=1)
     seen: dict[bytes, int] = {}
     return np.array([seen.setdefault(row.tobytes(), len(seen)) for row in sides], dtype=np.int64)
 

@@ -1,11 +1,13 @@
 """All parameters of puzzle solving."""
 
-from typing import Literal
+from typing import Literal, get_args
 
 from ..parameters import Parameters, parameter
 
-METHODS = ("auto", "mst", "greedy", "loops", "lp", "matchlift", "diffusion")
-MEASURES = ("learned", "mgc", "mgc-root", "mgc-pt", "pt", "lpq", "ssd", "ssd-lab", "emd", "emd-lab")
+Method = Literal["auto", "mst", "greedy", "loops", "lp", "matchlift", "diffusion"]
+Measure = Literal["learned", "mgc", "mgc-root", "mgc-pt", "pt", "lpq", "ssd", "ssd-lab", "emd", "emd-lab"]
+METHODS: tuple[str, ...] = get_args(Method)
+MEASURES: tuple[str, ...] = get_args(Measure)
 _MEASURE, _ASSEMBLE = "Measure", "Assembly"
 _MATCHLIFT, _DIFFUSION = "MatchLift", "Diffusion pruning"
 
@@ -13,12 +15,10 @@ _MATCHLIFT, _DIFFUSION = "MatchLift", "Diffusion pruning"
 class PuzzleParameters(Parameters):
     """Every number of the puzzle pipeline. Symbols and equations are those of the thesis, chapters 4 and 5."""
 
-    method: Literal["auto", "mst", "greedy", "loops", "lp", "matchlift", "diffusion"] = parameter(
+    method: Method = parameter(
         "auto", "How pieces are assembled: a spanning tree, greedy growth, loops first, a linear programme, one of the "
         "thesis's two ways to confirm joins first, or whichever the judge prefers.", live=True, group=_ASSEMBLE)  # fmt: skip
-    measure: Literal[
-        "learned", "mgc", "mgc-root", "mgc-pt", "pt", "lpq", "ssd", "ssd-lab", "emd", "emd-lab"
-    ] = parameter(
+    measure: Measure = parameter(
         "learned", "How unlike two sides are: a calibrated combination of all, or one measure alone.", group=_MEASURE)  # fmt: skip
     wear: Literal["auto", "clean", "worn"] = parameter(
         "auto", "Whether borders are as cut or have suffered (eroded, compressed, noisy); auto looks at how well they fit.",

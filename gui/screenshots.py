@@ -103,6 +103,7 @@ def _puzzle(window: "MainWindow", wait: Callable, rest: Callable, shot: Callable
     wait(lambda: puzzle.page.view.is_growing)
     shot("puzzle-growing")
     wait(lambda: not puzzle.page.view.is_growing)
+    puzzle.session.update(below=1.0)  # every join of the example is more certain than the slider's first value
     puzzle.page.step_join(1)
     shot("puzzle-doubtful")
     for answer in ("correct", "wrong"):

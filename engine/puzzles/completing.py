@@ -8,7 +8,7 @@ from ..errors import BadInput
 from ..progress import Progress, share
 from .blocks import Blocks, Rules, grow_blocks, turn_cell
 from .candidates import Candidates
-from .evidence import NEVER, Evidence, kinds_of
+from .evidence import Evidence, kinds_of
 from .filling import EMPTY, best_place, cell_score, fill_cells, merge_by_contacts, rearrange, total_worth
 from .shifting import shift
 from .solution import UNPLACED
@@ -18,7 +18,6 @@ SURE, HOPEFUL = 2.0, -1.0  # log odds: what merges two blocks, and what makes a 
 LOOSE, MOST_LOOSE = 1.5, 600  # mean log odds a contact below which a piece may be swapped, and how many may
 ROUNDS, PATIENCE = 40, 6  # of moving loose pieces
 STRICTER = (1.0, 2.5, 4.0, 6.0, 8.0)  # log odds of joins by which mixed pictures are tried to be kept apart
-MOST_SWAPPED = 8  # pieces that fit no hole and are exchanged for another
 BARELY = -3.0  # mean log odds a contact below which no piece is added where the frame is not known
 
 
@@ -180,8 +179,6 @@ def _together(
     for k, canvas in enumerate(canvases):
         here = share(progress, k / len(canvases), (k + 1) / len(canvases))
         placed = _filled(canvas, turns, left, turned, least, e, share(here, 0.0, 0.6))
-        if rules.frame is not None and len(canvases) == 1 and not placed.all():
-            placed |= _swapped_in(canvas, turns, left, placed, groups, turned, e)
         loose = _loose_cells(
             canvas.grid, np.concatenate([left[placed], _doubtful(canvas.grid, turns, e)]), rules, groups
         )
@@ -231,57 +228,6 @@ def _filled(
         placed[rest[done]] = True
         if done.sum() < part:
             return placed
-
-
-def _swapped_in(
-    canvas: _Canvas,
-    turns: np.ndarray,
-    left: np.ndarray,
-    placed: np.ndarray,
-    groups: np.ndarray,
-    turned: bool,
-    e: Evidence,
-) -> np.ndarray:
-    """Pieces that fit no hole take the place of another, not locked, which fits one: which of `left` did, (m,) bool.
-
-    So a rejected join does not leave a hole where its only other neighbours are. The exchange that costs least is made.
-    """
-    grid, done = canvas.grid, np.zeros(len(left), dtype=bool)
-    rows, columns = np.nonzero(grid != EMPTY)
-    low, high = np.array([rows.min(), columns.min()]), np.array([rows.max() + 1, columns.max() + 1])
-    view = grid if canvas.anchored else grid[low[0] : high[0], low[1] : high[1]]
-    for k in np.flatnonzero(~placed)[:MOST_SWAPPED]:
-        best: tuple[float, tuple[int, int], tuple[int, int], int, int] = (NEVER / 2, (0, 0), (0, 0), 0, 0)
-        for r, c in np.argwhere(view == EMPTY)[:MOST_SWAPPED].tolist():
-            for row, column in np.argwhere(view != EMPTY).tolist():
-                if groups[view[row, column]] < 0:
-                    best = max(best, _exchange(view, turns, int(left[k]), (row, column), (r, c), turned, e))
-        if best[0] > NEVER / 2:
-            _, cell, hole, turns[left[k]], way = best
-            view[hole], view[cell] = view[cell], left[k]
-            turns[view[hole]] = way
-            done[k] = True
-    return done
-
-
-def _exchange(
-    view: np.ndarray,
-    turns: np.ndarray,
-    piece: int,
-    cell: tuple[int, int],
-    hole: tuple[int, int],
-    turned: bool,
-    e: Evidence,
-) -> tuple[float, tuple[int, int], tuple[int, int], int, int]:
-    """What is gained if `piece` takes a cell whose piece goes to the hole: (gain, cell, hole, turns of both)."""
-    other = int(view[cell])
-    before, old = cell_score(view, turns, *cell, other, turns[other], e)[0], int(turns[piece])
-    ways = range(4) if turned else (0,)
-    first, turn = max((cell_score(view, turns, *cell, piece, way, e)[0], way) for way in ways)
-    view[cell], turns[piece] = piece, turn
-    second, way = max((cell_score(view, turns, *hole, other, way, e)[0], way) for way in ways)
-    view[cell], turns[piece] = other, old
-    return first + second - before, cell, hole, turn, way
 
 
 def _with_groups(

@@ -1,21 +1,37 @@
 """The likeliest partners of the sides of a piece, as the solver sees them."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from engine.puzzles.solution import Joins
+from engine.puzzles.solution import Joins, PuzzleSolution
 
 from .puzzle_edits import one
 from .puzzle_state import PuzzleState
 
 
 def partners_of_side(state: PuzzleState, piece: int, side: int) -> Joins | None:
-    """The likely partners of one side, best first; None before anything was compared, or where there are none."""
+    """The likely partners of one side, best first; None before anything was compared, or where there are none.
+
+    The partner that the picture has there bears the confidence of the placed join, which its neighbours speak for too.
+    """
     if state.prepared is None or state.puzzle is None or getattr(state.prepared, "puzzle", None) is not state.puzzle:
         return None
     from engine.puzzles.solving import candidate_joins
 
     found = candidate_joins(state.prepared, piece, side)
-    return found if len(found) else None
+    return with_placed(found, state.solution) if len(found) else None
+
+
+def with_placed(found: Joins, solution: PuzzleSolution | None) -> Joins:
+    """The same joins; those that hold in the solution with the confidence that they have in it."""
+    if solution is None:
+        return found
+    said = {}
+    for row, sure in zip(solution.joins.sides.tolist(), solution.joins.confidence.tolist(), strict=True):
+        said[tuple(row)] = said[(*row[2:], *row[:2])] = sure
+    sure = [said.get(tuple(row), own) for row, own in zip(found.sides.tolist(), found.confidence.tolist(), strict=True)]
+    return replace(found, confidence=np.array(sure))
 
 
 def best_of_sides(state: PuzzleState, piece: int) -> list[Joins]:

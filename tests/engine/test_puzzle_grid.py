@@ -427,14 +427,3 @@ def test_equal_pieces_are_of_one_kind(few_pieces):
     ready = prepare(few_pieces[0], FAST)
     assert not kinds_of(ready.evidence).any()
     assert assemble(ready, FAST).placed.all()
-
-
-def test_a_rejected_join_leaves_no_hole(prepared):
-    """The only hole that is left may lie beside the forbidden neighbour: then another piece goes there."""
-    ready, truth = prepared
-    free = assemble(ready, FAST)
-    assert score(ready.puzzle, truth, free).perfect
-    for row in free.joins.sides[::7].tolist():
-        solution = assemble(ready, FAST, wishes=Wishes(forbidden=joins_of([row])))
-        assert solution.placed.all()
-        assert not holds(solution, row)

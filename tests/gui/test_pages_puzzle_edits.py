@@ -285,3 +285,18 @@ def test_the_status_line_counts(square):
 
 def test_a_share_is_never_rounded_to_all():
     assert [percent(x) for x in (1.0, 0.9999, 0.958, 0.0)] == ["100 %", "99.9 %", "95.8 %", "0.0 %"]
+
+
+def test_a_partner_that_is_placed_bears_the_confidence_of_its_join():
+    """Either way round; the others keep the confidence of their borders."""
+    from types import SimpleNamespace
+
+    from gui.pages.puzzle_partners import with_placed
+
+    def joins(rows, sure):
+        return Joins(np.array(rows), np.zeros((len(rows), 2)), np.zeros(len(rows)), np.array(sure))
+
+    found = joins([(5, 1, 2, 3), (5, 1, 7, 3)], [0.4, 0.1])
+    placed = SimpleNamespace(joins=joins([(2, 3, 5, 1), (0, 1, 1, 3)], [0.98, 0.5]))
+    assert with_placed(found, placed).confidence.tolist() == [0.98, 0.1]
+    assert with_placed(found, None) is found

@@ -19,6 +19,8 @@ class Proposals:
     `pairs` (c, 2) int64 sorted, with exact light field distances `lfd` (c,) float64 and the differences `size`,
     `extent` and `centrality` (c,) = |Δ log| of the measures; `bottom` (c,) bool where both nodes are segments. All
     pairs of segments are there; the whole shapes are not. `packed_source`, `packed_target`: see `agreement.pack`.
+    `pinned` and `barred` (c,) bool are the pairs that people have judged: every method takes all pinned pairs, before
+    anything else, and never a barred one.
     """
 
     source: DescribedShape
@@ -31,6 +33,8 @@ class Proposals:
     bottom: np.ndarray
     packed_source: np.ndarray
     packed_target: np.ndarray
+    pinned: np.ndarray
+    barred: np.ndarray
     seconds: dict[str, float] = field(default_factory=dict)
 
 
@@ -60,7 +64,8 @@ def propose(
     bottom = (pairs[:, 0] < len(source.graph.area)) & (pairs[:, 1] < len(target.graph.area))
     return Proposals(
         source, target, pairs, lfd, _apart(s.size[i], t.size[j]), _apart(s.extent[i], t.extent[j]),
-        _apart(s.centrality[i], t.centrality[j]), bottom, pack(s), pack(t), watch.seconds)  # fmt: skip
+        _apart(s.centrality[i], t.centrality[j]), bottom, pack(s), pack(t),
+        np.zeros(len(pairs), dtype=bool), np.zeros(len(pairs), dtype=bool), watch.seconds)  # fmt: skip
 
 
 def _apart(x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -23,6 +23,7 @@ def greedy(
     conflicts: Callable[[int, np.ndarray], np.ndarray],
     *,
     first: np.ndarray | None = None,
+    fixed: np.ndarray | None = None,
 ) -> np.ndarray:
     """Accept candidates one-to-one in descending confidence, ties by index; rejects what an accepted one excludes.
 
@@ -36,6 +37,9 @@ def greedy(
         `conflicts(a, others)` bool: which of the candidates `others` (rows) cannot stand beside the accepted row a.
     first
         Candidates (rows) that come before all others, in this order; they too must not conflict.
+    fixed
+        Candidates (rows) that are accepted whatever they exclude, even each other; all others must fit them.
+
     Returns
     -------
     Rows of the accepted candidates, in the order of acceptance.
@@ -44,10 +48,19 @@ def greedy(
     left = left[confidence[left] > 0]
     if first is not None and len(first):
         left = np.concatenate([first, left[~np.isin(left, first)]])
-    accepted = []
+    accepted: list[int] = [] if fixed is None else np.asarray(fixed).tolist()
+    for a in accepted:
+        left = _beside(a, left, pairs, conflicts)
     while len(left):
         a = int(left[0])
         accepted.append(a)
-        left = left[(pairs[left, 0] != pairs[a, 0]) & (pairs[left, 1] != pairs[a, 1])]
-        left = left[~conflicts(a, left)]
+        left = _beside(a, left, pairs, conflicts)
     return np.array(accepted, dtype=np.int64)
+
+
+def _beside(
+    a: int, left: np.ndarray, pairs: np.ndarray, conflicts: Callable[[int, np.ndarray], np.ndarray]
+) -> np.ndarray:
+    """The rows of `left` that can stand beside the accepted row a."""
+    left = left[(pairs[left, 0] != pairs[a, 0]) & (pairs[left, 1] != pairs[a, 1])]
+    return left[~conflicts(a, left)]

@@ -22,16 +22,20 @@ def containment(inside_source: np.ndarray, inside_target: np.ndarray) -> tuple[n
     return votes, differ | differ.T
 
 
-def vote(inside_source: np.ndarray, inside_target: np.ndarray, confidence: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def vote(
+    inside_source: np.ndarray, inside_target: np.ndarray, confidence: np.ndarray, *, fixed: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Accept matches by descending votes, ties by confidence, then index, where they conflict with none accepted.
 
-    Returns the accepted rows in order of acceptance, and the votes (p,) of all matches.
+    Those of `fixed` (p,) bool come first and are accepted even where they conflict with each other. Returns the
+    accepted rows in order of acceptance, and the votes (p,) of all matches.
     """
     votes, conflict = containment(inside_source, inside_target)
     blocked = np.zeros(len(votes), dtype=bool)
     accepted = []
-    for a in np.lexsort((np.arange(len(votes)), -confidence, -votes)):
-        if not blocked[a]:
+    certain = np.zeros(len(votes), dtype=bool) if fixed is None else fixed
+    for a in np.lexsort((np.arange(len(votes)), -confidence, -votes, ~certain)):
+        if certain[a] or not blocked[a]:
             accepted.append(int(a))
             blocked |= conflict[a]
     return np.array(accepted, dtype=np.int64), votes

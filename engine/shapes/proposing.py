@@ -59,13 +59,41 @@ def propose(
     progress(0.2, "light field distances")
     with watch("distances"):
         lfd = _distances(source, target, pairs, progress, cache)
+    return _measured(source, target, pairs, lfd, (pack(source.measures), pack(target.measures)), watch.seconds)
+
+
+def with_pairs(proposals: Proposals, source: DescribedShape, target: DescribedShape, extra: np.ndarray) -> Proposals:
+    """The proposals and further pairs `extra` (e, 2), with exact distances.
+
+    `source` and `target` are those of the proposals, or the same with nodes added (see `extending.with_nodes`).
+    """
+    lfd = light_field_distances(source.descriptors, target.descriptors, extra)
+    pairs, lfd = np.concatenate([proposals.pairs, extra]), np.concatenate([proposals.lfd, lfd])
+    order = np.lexsort((pairs[:, 1], pairs[:, 0]))
+    packed = (proposals.packed_source if source is proposals.source else pack(source.measures),
+              proposals.packed_target if target is proposals.target else pack(target.measures))  # fmt: skip
+    return _measured(source, target, pairs[order], lfd[order], packed, proposals.seconds)
+
+
+def open_rows(proposals: Proposals) -> np.ndarray:
+    """Rows that a one-to-one method may choose from, (c,) bool: not barred, and at a pinned node its pin alone."""
+    pairs, pinned = proposals.pairs, proposals.pinned
+    taken = [np.isin(pairs[:, side], pairs[pinned, side]) for side in (0, 1)]
+    return pinned | ~(proposals.barred | taken[0] | taken[1])
+
+
+def _measured(
+    source: DescribedShape, target: DescribedShape, pairs: np.ndarray, lfd: np.ndarray,
+    packed: tuple[np.ndarray, np.ndarray], seconds: dict[str, float],
+) -> Proposals:  # fmt: skip
+    """Proposals of sorted pairs (c, 2) with their light field distances (c,): all else that is known of a pair."""
     s, t = source.measures, target.measures
     i, j = pairs.T
     bottom = (pairs[:, 0] < len(source.graph.area)) & (pairs[:, 1] < len(target.graph.area))
     return Proposals(
         source, target, pairs, lfd, _apart(s.size[i], t.size[j]), _apart(s.extent[i], t.extent[j]),
-        _apart(s.centrality[i], t.centrality[j]), bottom, pack(s), pack(t),
-        np.zeros(len(pairs), dtype=bool), np.zeros(len(pairs), dtype=bool), watch.seconds)  # fmt: skip
+        _apart(s.centrality[i], t.centrality[j]), bottom, *packed,
+        np.zeros(len(pairs), dtype=bool), np.zeros(len(pairs), dtype=bool), seconds)  # fmt: skip
 
 
 def _apart(x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -21,7 +21,7 @@ class Measures:
     `size` (k,) share of the surface area; `extent` (k,) root mean square distance of the surface from its own centroid;
     `centrality` (k,) mean geodesic distance from the node to all of the shape; `geodesic` (k, k) float32 mean geodesic
     distance between two nodes, in units of the shape's mean distance; `overlap` (k, k) float32, row i: the share of
-    node i's area that lies in node x.
+    node i's area that lies in node x; `between` (s, s) float64 is that of `segment_geodesics`.
     """
 
     size: np.ndarray
@@ -29,19 +29,19 @@ class Measures:
     centrality: np.ndarray
     geodesic: np.ndarray
     overlap: np.ndarray
+    between: np.ndarray
 
 
-def measure(shape: SegmentedShape, graph: SegmentGraph, members: np.ndarray, *, points: int, seed: int) -> Measures:
-    """The measures of the unions `members` (k, s) of a shape's segments; see `segment_geodesics` for `points`."""
+def measure(shape: SegmentedShape, graph: SegmentGraph, members: np.ndarray, between: np.ndarray) -> Measures:
+    """The measures of the unions `members` (k, s) of a shape's segments, given `between` of `segment_geodesics`."""
     m = members.astype(np.float64)
     area = np.maximum(graph.area / max(graph.area.sum(), 1e-300), 1e-9)
     size = m @ area
-    between = segment_geodesics(shape, points=points, seed=seed)
     weight = m * area / size[:, None]
     geodesic = weight @ between @ weight.T
     overlap = np.minimum(m * area @ m.T / size[:, None], 1.0)
     centrality = weight @ between @ (area / area.sum())
-    return Measures(size, _extents(shape, m), centrality, geodesic.astype(np.float32), overlap.astype(np.float32))
+    return Measures(size, _extents(shape, m), centrality, geodesic.astype(np.float32), overlap.astype(np.float32), between)
 
 
 def _extents(shape: SegmentedShape, m: np.ndarray) -> np.ndarray:

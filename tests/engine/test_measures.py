@@ -18,7 +18,8 @@ def members(count, *nodes):
 
 def measured(shape, *nodes, seed=0):
     graph, _ = build_segment_graph(shape, adjacency="auto", touch_distance=0.012, touch_samples=2000, seed=0)
-    return measure(shape, graph, members(shape.segmentation.count, *nodes), points=700, seed=seed)
+    between = segment_geodesics(shape, points=700, seed=seed)
+    return measure(shape, graph, members(shape.segmentation.count, *nodes), between)
 
 
 def test_sizes_are_shares_of_the_area():

@@ -6,7 +6,10 @@ from ..errors import BadParameter
 from ..parameters import Parameters, checked, parameter
 
 THESIS, TOP_DOWN = "thesis", "top-down"
+BOTTOM, HUNGARIAN, SPECTRAL, SHED, DIFFUSION = "bottom", "hungarian", "spectral", "shed", "diffusion"
 _T, _D = (THESIS,), (TOP_DOWN,)
+_WALKS = (THESIS, BOTTOM, DIFFUSION)  # diffusion pruning in one form or another
+_ASSIGNED = (HUNGARIAN, SPECTRAL)
 _GRAPH, _MLG, _LFD = "Segment graph", "Multi-layer graph", "Descriptor"
 _PROPOSE, _PRUNE, _VOTE = "Candidates", "Pruning", "Voting"
 
@@ -14,9 +17,10 @@ _PROPOSE, _PRUNE, _VOTE = "Candidates", "Pruning", "Voting"
 class MatchParameters(Parameters):
     """Every number of the shape pipeline. Symbols and equations are those of the thesis, chapter 3."""
 
-    method: Literal["thesis", "top-down"] = parameter(
-        TOP_DOWN, "How candidates are pruned: the thesis's two-stage diffusion pruning, or top-down agreement.",
-        live=True, group="Method")  # fmt: skip
+    method: Literal["thesis", "top-down", "bottom", "hungarian", "spectral", "shed", "diffusion"] = parameter(
+        TOP_DOWN, "How matches are chosen: the thesis's two-stage diffusion pruning, or top-down agreement; of single "
+        "segments by the thesis's first stage, the Hungarian method, spectral matching, or SHED (one-to-many); or of "
+        "all nodes by the full rule of diffusion pruning.", live=True, group="Method")  # fmt: skip
 
     # Segment graph
     adjacency: Literal["auto", "shared", "proximity"] = parameter(
@@ -66,44 +70,64 @@ class MatchParameters(Parameters):
     pool: int = parameter(
         40, "Nearest nodes that exact distances are computed for, by each of five quick distances; the K best are "
         "chosen from them.", low=30, high=300, step=10, group=_PROPOSE)  # fmt: skip
-    K: int = parameter(7, "Best matches kept for each node.", low=1, high=30, symbol="K", live=True, group=_PROPOSE)
+    K: int = parameter(
+        7, "Best matches kept for each node.", low=1, high=30, symbol="K", live=True,
+        methods=(*_WALKS, TOP_DOWN, SPECTRAL), group=_PROPOSE)  # fmt: skip
     lfd_threshold: float = parameter(
         0.8, "Least light field similarity of a candidate.", low=0.0, high=1.0, step=0.01, live=True,
-        methods=_T, group=_PROPOSE)  # fmt: skip
+        methods=_WALKS, group=_PROPOSE)  # fmt: skip
     sigma: float = parameter(
         8.0, "Scale of the similarity exp(-d/σ) of light field distances.", low=0.1, high=50.0, step=0.1,
         symbol="σ", equation="3.3", live=True, group=_PROPOSE)  # fmt: skip
     size_weight: float = parameter(
         0.0, "Weight of |Δ log relative size| beside the light field distance.", low=0.0, high=5.0, step=0.1,
-        live=True, methods=_T, group=_PROPOSE)  # fmt: skip
+        live=True, methods=(*_WALKS, *_ASSIGNED), group=_PROPOSE)  # fmt: skip
     extent_weight: float = parameter(
         0.5, "Weight of |Δ log relative extent| beside the light field distance.", low=0.0, high=5.0, step=0.1,
-        live=True, methods=_D, group=_PROPOSE)  # fmt: skip
+        live=True, methods=(*_D, *_ASSIGNED), group=_PROPOSE)  # fmt: skip
     centrality_weight: float = parameter(
         2.0, "Weight of |Δ log mean geodesic distance| beside the light field distance.", low=0.0, high=10.0,
-        step=0.1, live=True, methods=_D, group=_PROPOSE)  # fmt: skip
+        step=0.1, live=True, methods=(*_D, *_ASSIGNED), group=_PROPOSE)  # fmt: skip
     g_scale: float = parameter(
         0.5, "Scale of the weight exp(-distance/scale) of a candidate.", low=0.05, high=5.0, step=0.05, live=True,
-        methods=_D, group=_PROPOSE)  # fmt: skip
+        methods=(*_D, SPECTRAL), group=_PROPOSE)  # fmt: skip
 
     # Pruning: thesis
     delta_1: float = parameter(
         0.2, "Radius of the local regions in the anchor stage, as a share of the graph's diameter.",
-        low=0.0, high=1.0, step=0.01, symbol="δ₁", unit="diameter", equation="3.3", live=True, methods=_T,
-        group=_PRUNE)  # fmt: skip
+        low=0.0, high=1.0, step=0.01, symbol="δ₁", unit="diameter", equation="3.3", live=True,
+        methods=(*_T, BOTTOM), group=_PRUNE)  # fmt: skip
     delta_2: float = parameter(
-        0.8, "Radius of the local regions in the second stage, as a share of the graph's diameter.",
-        low=0.0, high=1.0, step=0.01, symbol="δ₂", unit="diameter", equation="3.3", live=True, methods=_T,
-        group=_PRUNE)  # fmt: skip
+        0.8, "Radius of the local regions in the second stage, or of all nodes, as a share of the graph's diameter.",
+        low=0.0, high=1.0, step=0.01, symbol="δ₂", unit="diameter", equation="3.3", live=True,
+        methods=(*_T, DIFFUSION), group=_PRUNE)  # fmt: skip
     c_0: float = parameter(
         0.7, "Least isometric consistency that counts in the affinity.", low=0.0, high=0.99, step=0.01,
-        symbol="c₀", equation="3.3", live=True, methods=_T, group=_PRUNE)  # fmt: skip
+        symbol="c₀", equation="3.3", live=True, methods=_WALKS, group=_PRUNE)  # fmt: skip
     c_2: float = parameter(
         0.5, "Least isometric consistency with every accepted match nearby.", low=0.0, high=1.0, step=0.01,
-        symbol="c₂", live=True, methods=_T, group=_PRUNE)  # fmt: skip
+        symbol="c₂", live=True, methods=(*_T, BOTTOM), group=_PRUNE)  # fmt: skip
     anchors: Literal["checked", "first", "off"] = parameter(
         "checked", "Bottom matches of the first stage: accepted first as in the thesis, only where the whole agrees "
         "better with them than without, or not used.", live=True, methods=_T, group=_PRUNE)  # fmt: skip
+
+    # Pruning: the baselines
+    c_1: float = parameter(
+        0.5, "Of the accepted matches near a candidate on one side, the share that must be near on both.", low=0.0,
+        high=0.99, step=0.01, symbol="c₁", live=True, methods=(DIFFUSION,), group=_PRUNE)  # fmt: skip
+    seed_min: float = parameter(
+        0.7, "Least isometric consistency of a new seed with every other, where no accepted match is near.", low=0.0,
+        high=1.0, step=0.01, symbol="c₂", live=True, methods=(DIFFUSION,), group=_PRUNE)  # fmt: skip
+    distance_max: float = parameter(
+        3.0, "Geometric distance from which segments rather stay unmatched.", low=0.1, high=20.0, step=0.1, live=True,
+        methods=(HUNGARIAN,), group=_PRUNE)  # fmt: skip
+    geodesic_sigma: float = parameter(
+        0.15, "Scale of the difference of geodesic distances; beyond three of it segments do not support each other.",
+        low=0.01, high=2.0, step=0.01, symbol="σ_d", unit="mean distance", live=True, methods=(SPECTRAL,),
+        group=_PRUNE)  # fmt: skip
+    confidence_min: float = parameter(
+        0.05, "Least entry of a match in the principal eigenvector, relative to the greatest.", low=0.0, high=1.0,
+        step=0.01, live=True, methods=(SPECTRAL,), group=_PRUNE)  # fmt: skip
 
     # Pruning: top-down
     agree_from: float = parameter(
@@ -141,6 +165,11 @@ PRESETS: dict[str, MatchParameters] = {
         "thesis-nonrigid": _THESIS_NONRIGID,
         "thesis-rigid-size": {**_THESIS_RIGID, "size_weight": 1.0},
         "thesis-nonrigid-size": {**_THESIS_NONRIGID, "size_weight": 1.0},
+        "bottom": {"method": BOTTOM, "size_weight": 1.0},
+        "hungarian": {"method": HUNGARIAN, "size_weight": 1.0},
+        "spectral": {"method": SPECTRAL, "size_weight": 1.0},
+        "shed": {"method": SHED},
+        "diffusion": {"method": DIFFUSION, "size_weight": 1.0},
     }.items()
 }
 

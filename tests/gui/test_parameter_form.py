@@ -126,7 +126,7 @@ def test_only_parameters_of_the_method_are_visible(form, name):
     form.show_values(values, values)
     visible = set(form.visible_names())
     assert visible == {i.name for i in INFO.values() if applies(i, values.method)}
-    assert ("delta_1" in visible) == (values.method == "thesis")
+    assert ("delta_1" in visible) == (values.method in ("thesis", "bottom"))
     for group, (head, rows) in form._heads.items():
         assert head.isHidden() == (not any(row.info.name in visible for row in rows)), group
 

@@ -1,0 +1,91 @@
+"""Spectral matching: the principal eigenvector of the affinity says how sure each candidate is.
+
+After Leordeanu & Hebert (2005); the adaptive rounds, one-to-many, after Kleiman, van Kaick, Sorkine-Hornung & Cohen-Or
+(2015), "SHED: Shape Edit Distance for fine-grained shape similarity".
+"""
+
+import numpy as np
+
+_STEPS, _TOLERANCE, _DIGITS = 1000, 1e-11, 9
+
+
+def principal(affinity: np.ndarray, start: np.ndarray | None = None) -> np.ndarray:
+    """The principal eigenvector of a symmetric affinity (c, c) >= 0, (c,) >= 0, its largest entry 1.
+
+    By power iteration from equal weights (or from `start`, mixed with equal weights), so that where several are
+    principal each gets its share. Rounded to nine digits, so that candidates alike by symmetry are exactly equal.
+    All zero where there is no affinity at all.
+    """
+    count = len(affinity)
+    x = np.full(count, 1.0) if start is None else 0.5 + start
+    shift = 0.05 * float(affinity.sum(axis=1).max(initial=0.0))  # keeps two halves that point at each other from swinging
+    for _ in range(_STEPS):
+        y = affinity @ x
+        if not y.any():
+            return np.zeros(count)
+        y += shift * x
+        y /= y.max()
+        done = float(np.abs(y - x).max()) < _TOLERANCE
+        x = y
+        if done:
+            break
+    return np.round(x, _DIGITS)
+
+
+def adaptive_rounds(
+    pairs: np.ndarray, affinity: np.ndarray, fixed: np.ndarray, free: tuple[np.ndarray, np.ndarray]
+) -> np.ndarray:
+    """Accept the surest candidate, make it certain, forget what speaks against it, and look again; one-to-many.
+
+    A candidate (i, j) is accepted if i or j has no match yet. Then all affinity between the candidates of i and those
+    of j is forgotten, and the accepted support themselves and each other by 1. Ends when nothing is free, or no
+    candidate has affinity. Last, matches whose ends both have others are taken back, the latest first.
+
+    Parameters
+    ----------
+    pairs, affinity
+        (c, 2) int64 and (c, c) float64, symmetric, >= 0.
+    fixed
+        Rows that are accepted before all others, whatever they are, and never taken back.
+    free
+        Which source and which target rows are still to be matched, (n,) and (m,) bool.
+
+    Returns
+    -------
+    Accepted rows, in the order of acceptance.
+    """
+    affinity, open_ends = affinity.copy(), (free[0].copy(), free[1].copy())
+    left = np.ones(len(pairs), dtype=bool)
+    accepted: list[int] = []
+
+    def accept(row: int) -> None:
+        i, j = pairs[row]
+        accepted.append(row)
+        open_ends[0][i] = open_ends[1][j] = left[row] = False
+        of_i, of_j = np.flatnonzero(pairs[:, 0] == i), np.flatnonzero(pairs[:, 1] == j)
+        affinity[np.ix_(of_i, of_j)] = affinity[np.ix_(of_j, of_i)] = 0.0
+        affinity[np.ix_(accepted, accepted)] = 1.0
+
+    for row in fixed.tolist():
+        accept(row)
+    x: np.ndarray | None = None
+    while True:
+        left &= open_ends[0][pairs[:, 0]] | open_ends[1][pairs[:, 1]]
+        if not left.any():
+            break
+        x = principal(affinity, x)
+        best = int(np.argmax(np.where(left, x, -1.0)))
+        if x[best] <= 0:
+            break
+        accept(best)
+    return _without_many_to_many(pairs, np.array(accepted, dtype=np.int64), len(fixed))
+
+
+def _without_many_to_many(pairs: np.ndarray, accepted: np.ndarray, sure: int) -> np.ndarray:
+    """The accepted rows without those whose ends both have other matches; the first `sure` always stay."""
+    kept = list(accepted)
+    for row in accepted[sure:][::-1]:
+        same = pairs[kept] == pairs[row]
+        if (same.sum(axis=0) > 1).all():
+            kept.remove(row)
+    return np.array(kept, dtype=np.int64)

@@ -1,0 +1,27 @@
+"""What the pairs that people have judged leave open to a method."""
+
+import numpy as np
+
+from ..consistency.voting import nesting
+from .proposing import Proposals
+
+
+def beside_pins(proposals: Proposals) -> np.ndarray:
+    """Which pairs (c,) bool can stand beside the pinned ones, or are pinned; none of them is barred.
+
+    A pair cannot where its node is a proper part of a pinned node on one side only, or holds it on one side only.
+    """
+    possible = ~proposals.barred
+    pinned = np.flatnonzero(proposals.pinned)
+    if len(pinned):
+        sides = [_nesting(shape.layers.members, proposals.pairs[:, side], proposals.pairs[pinned, side])
+                 for side, shape in enumerate((proposals.source, proposals.target))]  # fmt: skip
+        possible &= (sides[0] == sides[1]).all(axis=(0, 2))
+        possible |= proposals.pinned
+    return possible
+
+
+def _nesting(members: np.ndarray, nodes: np.ndarray, pinned: np.ndarray) -> np.ndarray:
+    """Whether a node is a proper part of a pinned one, and holds it, for all nodes and pinned, (2, c, pins) bool."""
+    inside = nesting(members)
+    return np.stack([inside[np.ix_(nodes, pinned)], inside[np.ix_(pinned, nodes)].T])

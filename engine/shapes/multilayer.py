@@ -54,8 +54,7 @@ def build_multilayer_graph(
     """
     count, layers = len(graph.area), parameters.layers
     neighbours = [sum(1 << int(j) for j in np.flatnonzero(row)) for row in graph.adjacency()]
-    size = graph.area if parameters.size_measure == "area" else graph.volume
-    size = size / size.sum() if size.sum() > 0 else np.full(count, 1 / count)
+    size = _sizes(graph, parameters)
     mode = chosen_mode(parameters, count)
     largest = parameters.max_segments or (CONNECTED_LARGEST if mode == "connected" else count)
     most = max(0, parameters.node_cap - count - 1)
@@ -72,9 +71,21 @@ def build_multilayer_graph(
     top = (1 << count) - 1
     unions = [1 << i for i in range(count)] + [union for union in merged if union != top] + ([top] if count > 1 else [])
     members = members_of(unions, count)
-    layer = np.where(members.sum(axis=1) == 1, 1, _layers(members @ size, layers))
+    layer = layer_of(members, graph, parameters)
     edges, kind = _edges(unions, members, layer, graph.adjacency(), pairs)
     return MultiLayerGraph(members, layer, edges, kind, layers, _caps_met(parameters, mode, count, largest, capped))
+
+
+def layer_of(members: np.ndarray, graph: SegmentGraph, parameters: MatchParameters) -> np.ndarray:
+    """The layer (k,) of each union `members` (k, s): 1 for a segment, else by its size (Eq 3.1)."""
+    found = _layers(members @ _sizes(graph, parameters), parameters.layers)
+    return np.where(members.sum(axis=1) == 1, 1, found)
+
+
+def _sizes(graph: SegmentGraph, parameters: MatchParameters) -> np.ndarray:
+    """Relative size (s,) of each segment by the chosen measure."""
+    size = graph.area if parameters.size_measure == "area" else graph.volume
+    return size / size.sum() if size.sum() > 0 else np.full(len(size), 1 / len(size))
 
 
 def chosen_mode(parameters: MatchParameters, count: int) -> str:

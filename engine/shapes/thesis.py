@@ -8,7 +8,7 @@ from ..consistency.voting import nesting, vote
 from .agreement import affinity_degrees, affinity_table, isometry
 from .hops import UNREACHABLE, diameter
 from .parameters import MatchParameters
-from .proposing import Proposals
+from .proposing import Proposals, open_rows
 
 
 class _Stage:
@@ -16,6 +16,7 @@ class _Stage:
 
     def __init__(self, proposals: Proposals, rows: np.ndarray, similarity: np.ndarray, delta: float, p: MatchParameters):
         self.pairs, self.similarity = proposals.pairs[rows], similarity[rows]
+        self.pinned = proposals.pinned[rows]
         self.d_source, self.d_target = proposals.source.hops, proposals.target.hops
         self.reach = (int(delta * diameter(self.d_source) + 1e-9), int(delta * diameter(self.d_target) + 1e-9))
         self.table = affinity_table(self.reach[0], self.reach[1], p.c_0)
@@ -32,8 +33,8 @@ class _Stage:
         return self.clash[p, q]
 
     def accept(self, first: np.ndarray | None = None) -> np.ndarray:
-        """Rows accepted greedily, those in `first` before all others."""
-        return greedy(self.pairs, self.confidence, self.conflicts, first=first)
+        """Rows accepted greedily, those in `first` before all others, and what is pinned in any case."""
+        return greedy(self.pairs, self.confidence, self.conflicts, first=first, fixed=np.flatnonzero(self.pinned))
 
     def coherence(self, rows: np.ndarray) -> float:
         """xᵀMx / xᵀx of the accepted rows: how well they support each other as a whole."""
@@ -49,18 +50,20 @@ class _Stage:
 def match_thesis(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Rows of `proposals.pairs` that are accepted, best first, with score, similarity and votes (each (p,)).
 
-    Score is π relative to the best candidate of the second stage.
+    Score is π relative to the best candidate of the second stage. What people have pinned is an anchor of both stages,
+    whatever its similarity, and outlives the voting.
     """
     similarity = np.exp(-(proposals.lfd + p.size_weight * proposals.size) / p.sigma)
     distance = -similarity
-    allowed = np.exp(-proposals.lfd / p.sigma) >= p.lfd_threshold
+    allowed = (np.exp(-proposals.lfd / p.sigma) >= p.lfd_threshold) & open_rows(proposals)
+    pins = np.flatnonzero(proposals.pinned)
     bottom = np.flatnonzero(allowed & proposals.bottom)
-    anchors = bottom[k_best(proposals.pairs[bottom], distance[bottom], p.K, side=0)]
+    anchors = np.union1d(bottom[k_best(proposals.pairs[bottom], distance[bottom], p.K, side=0)], pins)
     if p.anchors != "off" and len(anchors):
         anchors = anchors[_Stage(proposals, anchors, similarity, p.delta_1, p).accept()]
     rows = np.flatnonzero(allowed)
     rows = rows[k_best(proposals.pairs[rows], distance[rows], p.K, side=0)]
-    rows = np.union1d(rows, anchors) if p.anchors != "off" else rows
+    rows = np.union1d(rows, anchors if p.anchors != "off" else pins)
     stage = _Stage(proposals, rows, similarity, p.delta_2, p)
     accepted = _second_stage(stage, np.searchsorted(rows, anchors), p)
     kept, votes = _vote(proposals, stage, accepted, p)
@@ -88,7 +91,7 @@ def _vote(
     """Rows of the stage that voting keeps, in order, and their votes; all of them where voting is switched off."""
     pairs = stage.pairs[accepted]
     source, target = proposals.source.layers.members[pairs[:, 0]], proposals.target.layers.members[pairs[:, 1]]
-    kept, votes = vote(nesting(source), nesting(target), stage.confidence[accepted])
+    kept, votes = vote(nesting(source), nesting(target), stage.confidence[accepted], fixed=stage.pinned[accepted])
     if not p.voting:
         kept = np.arange(len(accepted))
     return accepted[kept], votes[kept]

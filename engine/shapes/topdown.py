@@ -7,7 +7,7 @@ from ..consistency.diffusion import greedy
 from ..consistency.voting import containment, nesting
 from .agreement import overlap_agreement, overlap_scores
 from .parameters import MatchParameters
-from .proposing import Proposals
+from .proposing import Proposals, open_rows
 
 
 def match_top_down(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -18,19 +18,28 @@ def match_top_down(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray
     3. Greedy, one-to-one; a match must agree with every accepted one (r and ratio).
     4. Bottom pairs last, by (mean m to the accepted)² · √g.
 
+    What people have pinned comes before 3 and is taken as certain: its g is 1, and candidates that disagree with it
+    support nothing.
+
     The score reported is the mean agreement m with the other accepted matches, in [0, 1].
     """
     distance = proposals.lfd + p.extent_weight * proposals.extent + p.centrality_weight * proposals.centrality
-    g = np.exp(-distance / p.g_scale)
+    g = np.where(proposals.pinned, 1.0, np.exp(-distance / p.g_scale))
     pairs = proposals.pairs
-    rows = np.flatnonzero(k_best(pairs, distance, p.K, side=0) | k_best(pairs, distance, p.K, side=1))
+    rows = np.flatnonzero(open_rows(proposals))
+    rows = rows[k_best(pairs[rows], distance[rows], p.K, side=0) | k_best(pairs[rows], distance[rows], p.K, side=1)]
+    pins = np.flatnonzero(proposals.pinned)
+    if len(pins):
+        r, ratio = _agree(proposals, pairs[rows][:, None], pairs[pins][None])
+        fits = ((r >= p.overlap_min) & (ratio >= p.ratio_min)).all(axis=1)
+        rows = np.union1d(rows[fits], pins)
     scores = overlap_scores(pairs[rows], g[rows], proposals.packed_source, proposals.packed_target, p.agree_from)
 
     def conflicts(a: int, others: np.ndarray) -> np.ndarray:
         r, ratio = _agree(proposals, pairs[rows[a]], pairs[rows[others]])
         return (r < p.overlap_min) | (ratio < p.ratio_min)
 
-    accepted = rows[greedy(pairs[rows], scores, conflicts)]
+    accepted = rows[greedy(pairs[rows], scores, conflicts, fixed=np.searchsorted(rows, pins))]
     accepted = np.concatenate([accepted, _bottom_last(proposals, accepted, distance, g, p)])
     r, ratio = _agree(proposals, pairs[accepted][:, None], pairs[accepted][None])
     m = r * ratio
@@ -50,7 +59,8 @@ def _bottom_last(
     """
     pairs = proposals.pairs
     taken = pairs[accepted]
-    rows = np.flatnonzero(proposals.bottom & ~np.isin(pairs[:, 0], taken[:, 0]) & ~np.isin(pairs[:, 1], taken[:, 1]))
+    free = proposals.bottom & ~proposals.barred
+    rows = np.flatnonzero(free & ~np.isin(pairs[:, 0], taken[:, 0]) & ~np.isin(pairs[:, 1], taken[:, 1]))
     if not len(accepted) or not len(rows):
         return np.zeros(0, dtype=np.int64)
     rows = rows[k_best(pairs[rows], distance[rows], p.bottom_K, side=0)]

@@ -59,9 +59,6 @@ def _tidy(pairs: Iterable[Pair]) -> tuple[Pair, ...]:
     return tuple(sorted(found))
 
 
-NO_WISHES = Wishes()
-
-
 def contradiction(
     pinned: Iterable[tuple[tuple[Hashable, ...], tuple[Hashable, ...]]],
     forbidden: Iterable[tuple[tuple[Hashable, ...], tuple[Hashable, ...]]],
@@ -98,3 +95,6 @@ def check_segments(wishes: Wishes, source: int, target: int) -> None:
             if union[-1] >= count:
                 raise BadInput(f"The wish {pair_text(pair)} names segment {union[-1]} of the {where}, which has "
                                f"the segments 0 to {count - 1}.")  # fmt: skip
+
+
+NO_WISHES = Wishes()

@@ -29,7 +29,7 @@ def side(nodes, hops):
     return SimpleNamespace(hops=distance, layers=SimpleNamespace(members=members))
 
 
-def proposals(source, target, candidates, source_hops=None, target_hops=None, size=None):
+def proposals(source, target, candidates, source_hops=None, target_hops=None, size=None, pinned=(), barred=()):
     """Candidates {(i, j): similarity}; a number for `source` or `target` means so many separate segments."""
     nodes = [[{i} for i in range(n)] if isinstance(n, int) else n for n in (source, target)]
     pairs = np.array(sorted(candidates))
@@ -38,7 +38,9 @@ def proposals(source, target, candidates, source_hops=None, target_hops=None, si
         source=side(nodes[0], source_hops or {}), target=side(nodes[1], target_hops or {}), pairs=pairs,
         lfd=np.array([-np.log(candidates[tuple(pair)]) for pair in pairs.tolist()]),
         size=np.zeros(len(pairs)) if size is None else np.array([size.get(tuple(p), 0.0) for p in pairs.tolist()]),
-        bottom=single[0][pairs[:, 0]] & single[1][pairs[:, 1]])  # fmt: skip
+        bottom=single[0][pairs[:, 0]] & single[1][pairs[:, 1]],
+        pinned=np.array([tuple(p) in pinned for p in pairs.tolist()]),
+        barred=np.array([tuple(p) in barred for p in pairs.tolist()]))  # fmt: skip
 
 
 def accepted(given, parameters):

@@ -21,7 +21,7 @@ def packed(nodes, overlap, geodesic):
     return np.stack([o, o.T, g], axis=-1).astype(np.float32)
 
 
-def proposals(candidates, *, bottom=(), source=None, target=None, extent=None, centrality=None, members=None):
+def proposals(candidates, *, bottom=(), pinned=(), barred=(), source=None, target=None, extent=None, centrality=None, members=None):
     """Candidates {(i, j): light field distance}; `source` and `target` hold `overlap` and `geodesic` of `packed`."""
     pairs = np.array(sorted(candidates))
     nodes = pairs.max(axis=0) + 1
@@ -31,7 +31,8 @@ def proposals(candidates, *, bottom=(), source=None, target=None, extent=None, c
     extra = [np.array([(told or {}).get(tuple(p), 0.0) for p in pairs.tolist()]) for told in (extent, centrality)]
     return SimpleNamespace(
         pairs=pairs, lfd=np.array([float(candidates[tuple(p)]) for p in pairs.tolist()]), extent=extra[0],
-        centrality=extra[1], bottom=np.array([tuple(p) in bottom for p in pairs.tolist()]),
+        centrality=extra[1], **{name: np.array([tuple(p) in chosen for p in pairs.tolist()])
+                                for name, chosen in (("bottom", bottom), ("pinned", pinned), ("barred", barred))},
         packed_source=read[0], packed_target=read[1],
         **{name: SimpleNamespace(layers=SimpleNamespace(members=m))
            for name, m in zip(("source", "target"), members, strict=True)})  # fmt: skip
@@ -45,7 +46,7 @@ def transposed(given):
     """The same candidates with source and target exchanged."""
     pairs = given.pairs[:, ::-1]
     order = np.lexsort((pairs[:, 1], pairs[:, 0]))
-    rows = {name: getattr(given, name)[order] for name in ("lfd", "extent", "centrality", "bottom")}
+    rows = {name: getattr(given, name)[order] for name in ("lfd", "extent", "centrality", "bottom", "pinned", "barred")}
     return SimpleNamespace(
         pairs=np.ascontiguousarray(pairs[order]), packed_source=given.packed_target, packed_target=given.packed_source,
         source=given.target, target=given.source, **rows)  # fmt: skip

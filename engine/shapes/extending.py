@@ -1,0 +1,72 @@
+"""Further unions of segments as nodes of a shape that is described already, in milliseconds."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from .describing import DescribedShape, light_fields_of
+from .hops import UNREACHABLE
+from .lightfield import quantile_signatures
+from .measures import measure
+from .multilayer import ADJACENT, PART_OF, MultiLayerGraph, layer_of
+
+
+def with_nodes(described: DescribedShape, members: np.ndarray) -> DescribedShape:
+    """The shape with the unions `members` (q, s) bool as further nodes, before the last node, the whole shape.
+
+    Rows of all other nodes stay. A new node is joined as Eq 3.2 has it: to nodes of its layer that overlap or touch it,
+    to nodes of one segment less or more, and to its own segments; or to the whole shape. Hops between the other nodes
+    stay as they are.
+    """
+    members = members[~(members[:, None] == described.layers.members[None]).all(axis=2).any(axis=1)]
+    members = np.unique(members, axis=0)
+    if not len(members):
+        return described
+    p, count = described.parameters, len(described.layers.members)
+    order = np.concatenate([np.arange(count - 1), count + np.arange(len(members)), [count - 1]])
+    layers, joined = _layers(described, members, order)
+    descriptors = np.concatenate([described.descriptors, light_fields_of(described.shape, members, p)])[order]
+    measures = measure(described.shape, described.graph, layers.members, described.measures.between)
+    return replace(described, layers=layers, hops=_hops(described.hops, joined)[np.ix_(order, order)], measures=measures,
+                   descriptors=descriptors, signatures=quantile_signatures(descriptors))  # fmt: skip
+
+
+def _layers(described: DescribedShape, new: np.ndarray, order: np.ndarray) -> tuple[MultiLayerGraph, np.ndarray]:
+    """The graph with the new nodes in their order, and the kind of edge (q, k + q) of each to all, -1 for none.
+
+    The columns of the latter are in the order of before, new nodes last.
+    """
+    old, count = described.layers, len(described.layers.members)
+    members = np.concatenate([old.members, new])
+    layer = np.concatenate([old.layer, layer_of(new, described.graph, described.parameters)])
+    m, n = members.astype(np.float32), new.astype(np.float32)
+    near = described.graph.adjacency() | np.eye(members.shape[1], dtype=bool)
+    kind = np.where((n @ near.astype(np.float32) @ m.T > 0) & (layer[count:, None] == layer), ADJACENT, -1)
+    size, inside = m.sum(axis=1), n @ m.T
+    less = np.minimum(size[count:, None], size)
+    part = (inside == less) & ((np.abs(size[count:, None] - size) == 1) | (size == 1)) & (size != size[count:, None])
+    kind = np.where(part, PART_OF, kind)
+    held = (inside == size[count:, None]) & (size > size[count:, None])
+    kind[~np.delete(held, count - 1, axis=1).any(axis=1), count - 1] = PART_OF  # what nothing else holds, the top does
+    kind[np.arange(len(new)), count + np.arange(len(new))] = -1
+    place = np.argsort(order)
+    a, b = np.nonzero(kind >= 0)
+    ends = np.sort(np.stack([place[count + a], place[b]], axis=1), axis=1)
+    ends, first = np.unique(ends, axis=0, return_index=True)
+    edges = np.concatenate([np.sort(place[old.edges], axis=1), ends])
+    kinds = np.concatenate([old.kind, kind[a, b][first]])
+    graph = replace(old, members=members[order], layer=layer[order], edges=edges, kind=kinds)
+    return graph, kind
+
+
+def _hops(hops: np.ndarray, joined: np.ndarray) -> np.ndarray:
+    """Hop distances (k + q, k + q) uint8 with new nodes whose edges are `joined` >= 0; those among the k stay."""
+    count, new = len(hops), len(joined)
+    far = np.full((count + new, count + new), UNREACHABLE, dtype=np.int64)
+    far[:count, :count] = hops
+    for a in range(new):
+        ends = np.flatnonzero(joined[a, : count + a] >= 0)
+        row = 1 + far[ends, : count + a].min(axis=0) if len(ends) else np.full(count + a, UNREACHABLE)
+        far[count + a, : count + a] = far[: count + a, count + a] = np.minimum(row, UNREACHABLE)
+        far[count + a, count + a] = 0
+    return far.astype(np.uint8)

@@ -1,9 +1,10 @@
 """One self-contained HTML page: what was run with what, and what came out."""
 
 import base64
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -13,7 +14,15 @@ from .shapes.result import MatchResult, ShapeRecord
 from .shapes.segmentation import SegmentedShape
 
 Picture = tuple[str, bytes]  # title and PNG
-PictureMaker = Callable[[SegmentedShape, SegmentedShape, MatchResult], list[Picture]]
+
+
+class PictureMaker(Protocol):
+    """Draws a result; `states` says by the ids of matches which are "correct" and which "wrong", where that is known."""
+
+    def __call__(
+        self, source: SegmentedShape, target: SegmentedShape, result: MatchResult, states: Mapping[str, str] | None = None
+    ) -> list[Picture]: ...
+
 
 _STYLE = """
 :root { color-scheme: light dark; --paper: #fafaf7; --ink: #22252a; --faint: #8a8f98; --line: #dcdcd6; --accent: #0072b2 }
@@ -43,7 +52,7 @@ def report_page(
         Further sections: heading and HTML that is already safe (made by `html_table`).
     """
     sections = [
-        _pictures(pictures), _matches(result), *(f"<h2>{escape(head)}</h2>{body}" for head, body in extra),
+        pictures_html(pictures), _matches(result), *(f"<h2>{escape(head)}</h2>{body}" for head, body in extra),
         _notes(result), _parameters(result.parameters, result.preset), _seconds(result),
     ]  # fmt: skip
     return page(_title(result), _lead(result), sections)
@@ -82,7 +91,8 @@ def _lead(result: MatchResult) -> str:
     )
 
 
-def _pictures(pictures: Sequence[Picture]) -> str:
+def pictures_html(pictures: Sequence[Picture]) -> str:
+    """The pictures with their titles, embedded."""
     return "".join(
         f'<figure><img alt="{escape(title)}" src="data:image/png;base64,{base64.b64encode(png).decode()}">'
         f"<figcaption>{escape(title)}</figcaption></figure>"

@@ -1,7 +1,7 @@
 """`concord`: the window, and beside it the commands of the engine and of studies, which need neither Qt nor VTK."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -32,7 +32,7 @@ def report_pictures(
     try:
         from .views.pictures import report_pictures as draw
 
-        return draw(source, target, result)
+        return draw(source, target, result, states)
     except (ImportError, ConcordError) as error:
         reason = str(error) if isinstance(error, ConcordError) else "the extra 'gui' is not installed."
         print(f"note: the report has no pictures: {reason}")

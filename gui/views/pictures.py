@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from PySide6.QtCore import QCoreApplication, QRectF
 from PySide6.QtGui import QGuiApplication, QPainter
@@ -64,15 +64,18 @@ def draw_shape(shape: SegmentedShape, size: tuple[int, int] = (600, 600), theme:
 
 
 def report_pictures(
-    source: SegmentedShape, target: SegmentedShape, result: MatchResult, theme: Theme = LIGHT
-) -> list[tuple[str, bytes]]:
+    source: SegmentedShape, target: SegmentedShape, result: MatchResult, states: Mapping[str, str] | None = None,
+    theme: Theme = LIGHT,
+) -> list[tuple[str, bytes]]:  # fmt: skip
     """Titles and PNGs for a report: all one-to-one matches as lines, and matches of merged nodes as polygons.
 
-    Many matches of merged nodes nest in each other; then only small ones that share no segment are drawn.
+    Many matches of merged nodes nest in each other; then only small ones that share no segment are drawn. `states` says
+    by id which matches are correct and which wrong; these are drawn in the colours of judgements.
     """
-    links = links_of(result)
+    links = links_of(result, states)
     merged = [link for link in links if link.merged]
-    shown = [link for link in main_links(result) if link.merged]
+    main = {link.id for link in main_links(result)}
+    shown = [link for link in merged if link.id in main]
     single = [link for link in links if not link.merged]
     pictures = [(_counted(len(single), "one-to-one match", "one-to-one matches"), single)]
     if merged:

@@ -3,9 +3,10 @@
 import csv
 import io
 import json
+import math
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,13 +17,21 @@ from .store import write_together
 SCHEMA = "concord.matches/1"
 
 
-def result_to_json(result: MatchResult) -> dict[str, Any]:
+class Support(NamedTuple):
+    """How far other shapes of a collection support each match: `kind` of support, `values` (p,) in [0, 1] or NaN."""
+
+    kind: str
+    values: np.ndarray
+
+
+def result_to_json(result: MatchResult, support: Support | None = None) -> dict[str, Any]:
     """The result as the JSON object of schema concord.matches/1.
 
     Segments are numbered by the sorted order of the labels in the input, and listed by those labels. `sha256` is the
-    hash of the arrays as they were read and `segmentation` that of the segments (see `engine.shapes.identity`).
+    hash of the arrays as they were read and `segmentation` that of the segments (see `engine.shapes.identity`). With a
+    support every match has a `support`, null where nothing can be said, and `supported_by` names its kind.
     """
-    return {
+    content: dict[str, Any] = {
         "schema": SCHEMA,
         "source": _shape(result.source),
         "target": _shape(result.target),
@@ -41,6 +50,11 @@ def result_to_json(result: MatchResult) -> dict[str, Any]:
         "graph": {"source_nodes": result.source_nodes, "target_nodes": result.target_nodes},
         "seconds": {step: round(value, 4) for step, value in result.seconds.items()},
     }  # fmt: skip
+    if support is not None:
+        content["supported_by"] = support.kind
+        for match, value in zip(content["matches"], support.values.tolist(), strict=True):
+            match["support"] = None if math.isnan(value) else round(value, 6)
+    return content
 
 
 def _shape(record: ShapeRecord) -> dict[str, Any]:
@@ -52,31 +66,46 @@ def _labels(record: ShapeRecord, segments: Iterable[int]) -> list[int | str]:
     return [record.segments[int(i)] for i in segments]
 
 
-def result_to_csv(result: MatchResult) -> str:
+def result_to_csv(result: MatchResult, support: Support | None = None) -> str:
     """One line a match, segments joined by semicolons; cells that a spreadsheet would run as a formula are escaped."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["id", "source", "target", "score", "votes", "source_layer", "target_layer", "similarity"])
-    for m in result.matches():
+    head = ["id", "source", "target", "score", "votes", "source_layer", "target_layer", "similarity"]
+    writer.writerow([*head, *(["support"] if support is not None else [])])
+    for row, m in enumerate(result.matches()):
         source, target = (";".join(map(str, _labels(record, segments))) for record, segments in
                           ((result.source, m.source), (result.target, m.target)))  # fmt: skip
         writer.writerow([m.id, safe_cell(source), safe_cell(target), f"{m.score:.6f}", m.votes, m.source_layer,
-                         m.target_layer, f"{m.similarity:.6f}"])  # fmt: skip
+                         m.target_layer, f"{m.similarity:.6f}", *_support_cell(support, row)])  # fmt: skip
     return text.getvalue()
 
 
-def write_matches(result: MatchResult, folder: Path | str, *, report: str = "") -> list[Path]:
+def _support_cell(support: Support | None, row: int) -> list[str]:
+    """The last cell of a line, empty where nothing can be said; no cell without a support."""
+    if support is None:
+        return []
+    return ["" if math.isnan(support.values[row]) else f"{support.values[row]:.6f}"]
+
+
+def write_matches(
+    result: MatchResult, folder: Path | str, *, report: str = "", support: Support | None = None
+) -> list[Path]:
     """Write `matches.json`, `matches.csv`, `parameters.json` and, where given, `report.html` into a folder that exists.
 
     All are written, or none; returns their paths. Raises `BadInput`.
     """
     folder = Path(folder)
-    contents: dict[Path, bytes | str] = {
-        folder / "matches.json": json.dumps(result_to_json(result), indent=1, ensure_ascii=False) + "\n",
-        folder / "matches.csv": result_to_csv(result),
-        folder / "parameters.json": json.dumps(result.parameters.model_dump(), indent=1) + "\n",
-    }
+    contents = match_contents(result, folder, support)
     if report:
         contents[folder / "report.html"] = report
     write_together(contents)
     return list(contents)
+
+
+def match_contents(result: MatchResult, folder: Path, support: Support | None = None) -> dict[Path, bytes | str]:
+    """The files of a result and what they hold."""
+    return {
+        folder / "matches.json": json.dumps(result_to_json(result, support), indent=1, ensure_ascii=False) + "\n",
+        folder / "matches.csv": result_to_csv(result, support),
+        folder / "parameters.json": json.dumps(result.parameters.model_dump(), indent=1) + "\n",
+    }

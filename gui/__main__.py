@@ -24,7 +24,7 @@ def open_window(files: Sequence[str] = (), labels: tuple[str | None, str | None]
 
 
 def report_pictures(
-    source: "SegmentedShape", target: "SegmentedShape", result: "MatchResult"
+    source: "SegmentedShape", target: "SegmentedShape", result: "MatchResult", states: Mapping[str, str] | None = None
 ) -> list[tuple[str, bytes]]:
     """Pictures for a report where this computer can draw them; none, and a note, where it cannot."""
     from engine.errors import ConcordError

@@ -1,0 +1,80 @@
+"""Tables of words and figures as CSV, Markdown and LaTeX."""
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from ..spreadsheet import safe_cell
+
+NOTHING = "–"
+_LATEX = str.maketrans({
+    "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
+    "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "–": "--", "±": r"$\pm$", "≥": r"$\ge$", "<": r"$<$", ">": r"$>$",
+})  # fmt: skip
+
+
+class Table(NamedTuple):
+    """A table for people: a title, column heads, rows of texts, how many first columns hold words, and a remark."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: Sequence[tuple[str, ...]]
+    words: int = 1
+    remark: str = ""
+
+    @property
+    def numeric(self) -> list[bool]:
+        """Which columns are set to the right."""
+        return [k >= self.words for k in range(len(self.head))]
+
+
+def to_markdown(tables: Sequence[Table], lead: str, notes: Sequence[str] = ()) -> str:
+    """Headings and tables; `notes` become a list at the end."""
+    parts = [lead]
+    for table in tables:
+        rule = "|" + "".join("--:|" if right else "---|" for right in table.numeric)
+        lines = [_piped(table.head), rule, *(_piped(row) for row in table.rows)]
+        parts += [f"## {table.title}", "\n".join(lines), *([table.remark] if table.remark else [])]
+    parts += ["## Notes", "\n".join(f"- {note}" for note in notes)] if notes else []
+    return "\n\n".join(parts) + "\n"
+
+
+def to_latex(tables: Sequence[Table], lead: str) -> str:
+    """One `table` environment each; needs no package, and the text is in UTF-8."""
+    parts = ["\n".join(f"% {line}" for line in lead.splitlines())]
+    for table in tables:
+        lines = [" & ".join(cell.translate(_LATEX) for cell in row) + r" \\" for row in (table.head, *table.rows)]
+        body = "\n".join([r"\hline", lines[0], r"\hline", *lines[1:], r"\hline"])
+        columns = "".join("r" if right else "l" for right in table.numeric)
+        caption = " ".join([table.title + ".", table.remark]).strip().translate(_LATEX)
+        parts.append("\\begin{table}\n\\centering\n\\small\n"
+                     f"\\begin{{tabular}}{{{columns}}}\n{body}\n\\end{{tabular}}\n\\caption{{{caption}}}\n\\end{{table}}")  # fmt: skip
+    return "\n\n".join(parts) + "\n"
+
+
+def to_csv(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """One line a row; shares stay shares of 1; what is not known is empty."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows([_plain(value) for value in row] for row in rows)
+    return text.getvalue()
+
+
+def percent(share: float | None, digits: int = 1) -> str:
+    """A share of 1 in per cent without the sign; a dash for what is not known."""
+    return NOTHING if share is None or math.isnan(share) else f"{100 * share:.{digits}f}"
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, str):
+        return safe_cell(value)
+    if isinstance(value, float):
+        return "" if math.isnan(value) else f"{value:.6g}"
+    return "" if value is None else value
+
+
+def _piped(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"

@@ -15,8 +15,8 @@ def with_nodes(described: DescribedShape, members: np.ndarray) -> DescribedShape
     """The shape with the unions `members` (q, s) bool as further nodes, before the last node, the whole shape.
 
     Rows of all other nodes stay. A new node is joined as Eq 3.2 has it: to nodes of its layer that overlap or touch it,
-    to nodes of one segment less or more, and to its own segments; or to the whole shape. Hops between the other nodes
-    stay as they are.
+    to nodes of one segment more, and to nodes of one segment less and that segment; else to its own segments. Hops
+    between the other nodes stay as they are.
     """
     members = members[~(members[:, None] == described.layers.members[None]).all(axis=2).any(axis=1)]
     members = np.unique(members, axis=0)
@@ -42,11 +42,12 @@ def _layers(described: DescribedShape, new: np.ndarray, order: np.ndarray) -> tu
     m, n = members.astype(np.float32), new.astype(np.float32)
     near = described.graph.adjacency() | np.eye(members.shape[1], dtype=bool)
     kind = np.where((n @ near.astype(np.float32) @ m.T > 0) & (layer[count:, None] == layer), ADJACENT, -1)
-    size, inside = m.sum(axis=1), n @ m.T
-    less = np.minimum(size[count:, None], size)
-    part = (inside == less) & ((np.abs(size[count:, None] - size) == 1) | (size == 1)) & (size != size[count:, None])
-    kind = np.where(part, PART_OF, kind)
-    held = (inside == size[count:, None]) & (size > size[count:, None])
+    size, mine, shared = m.sum(axis=1), n.sum(axis=1)[:, None], n @ m.T
+    below, above = (shared == size) & (size == mine - 1), (shared == mine) & (size == mine + 1)
+    kind[below | above] = PART_OF
+    segments = new & (below.astype(np.float32) @ ~members > 0)  # those that lead from such a node to the new one
+    kind[:, : new.shape[1]][np.where(segments.any(axis=1, keepdims=True), segments, new)] = PART_OF
+    held = (shared == mine) & (size > mine)
     kind[~np.delete(held, count - 1, axis=1).any(axis=1), count - 1] = PART_OF  # what nothing else holds, the top does
     kind[np.arange(len(new)), count + np.arange(len(new))] = -1
     place = np.argsort(order)

@@ -29,10 +29,7 @@ def match_top_down(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray
     rows = np.flatnonzero(open_rows(proposals))
     rows = rows[k_best(pairs[rows], distance[rows], p.K, side=0) | k_best(pairs[rows], distance[rows], p.K, side=1)]
     pins = np.flatnonzero(proposals.pinned)
-    if len(pins):
-        r, ratio = _agree(proposals, pairs[rows][:, None], pairs[pins][None])
-        fits = ((r >= p.overlap_min) & (ratio >= p.ratio_min)).all(axis=1)
-        rows = np.union1d(rows[fits], pins)
+    rows = np.union1d(_fitting(proposals, rows, pins, p), pins)
     scores = overlap_scores(pairs[rows], g[rows], proposals.packed_source, proposals.packed_target, p.agree_from)
 
     def conflicts(a: int, others: np.ndarray) -> np.ndarray:
@@ -64,10 +61,17 @@ def _bottom_last(
     if not len(accepted) or not len(rows):
         return np.zeros(0, dtype=np.int64)
     rows = rows[k_best(pairs[rows], distance[rows], p.bottom_K, side=0)]
+    rows = _fitting(proposals, rows, np.flatnonzero(proposals.pinned), p)
     r, ratio = _agree(proposals, pairs[rows][:, None], taken[None])
     mean = (r * ratio).mean(axis=1)
     confidence = np.where(mean >= p.bottom_min, mean**2 * np.sqrt(g[rows]), 0.0)
     return rows[greedy(pairs[rows], confidence, lambda a, others: np.zeros(len(others), dtype=bool))]
+
+
+def _fitting(proposals: Proposals, rows: np.ndarray, pins: np.ndarray, p: MatchParameters) -> np.ndarray:
+    """Those of the rows that agree with every pinned one."""
+    r, ratio = _agree(proposals, proposals.pairs[rows][:, None], proposals.pairs[pins][None])
+    return rows[((r >= p.overlap_min) & (ratio >= p.ratio_min)).all(axis=1)]
 
 
 def _agree(proposals: Proposals, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -9,9 +9,15 @@ THESIS, TOP_DOWN = "thesis", "top-down"
 BOTTOM, HUNGARIAN, SPECTRAL, SHED, DIFFUSION = "bottom", "hungarian", "spectral", "shed", "diffusion"
 _T, _D = (THESIS,), (TOP_DOWN,)
 _WALKS = (THESIS, BOTTOM, DIFFUSION)  # diffusion pruning in one form or another
-_ASSIGNED = (HUNGARIAN, SPECTRAL)
+_MEASURED = (TOP_DOWN, THESIS, BOTTOM, HUNGARIAN, SPECTRAL, DIFFUSION)  # what looks alike by `geometric_distance`
 _GRAPH, _MLG, _LFD = "Segment graph", "Multi-layer graph", "Descriptor"
 _PROPOSE, _PRUNE, _VOTE = "Candidates", "Pruning", "Voting"
+
+
+def _weight(what: str) -> Any:
+    """The weight of one more descriptor, whose distance is about 1 for true pairs."""
+    return parameter(0.0, f"Weight of {what}; the distance of true pairs is about 1.", low=0.0, high=5.0, step=0.1, live=True,
+                     methods=_MEASURED, group=_PROPOSE)  # fmt: skip
 
 
 class MatchParameters(Parameters):
@@ -79,15 +85,30 @@ class MatchParameters(Parameters):
     sigma: float = parameter(
         8.0, "Scale of the similarity exp(-d/σ) of light field distances.", low=0.1, high=50.0, step=0.1,
         symbol="σ", equation="3.3", live=True, group=_PROPOSE)  # fmt: skip
+    lfd: Literal["exact", "signature"] = parameter(
+        "exact", "Light field distance: exact, or by the quantile signature, which needs no rotations and is far faster.",
+        group=_PROPOSE)  # fmt: skip
+    lfd_weight: float = parameter(
+        1.0, "Weight of the light field distance, about 1.8 for true pairs; all other weights are beside it.", low=0.0,
+        high=5.0, step=0.1, live=True, methods=_MEASURED, group=_PROPOSE)  # fmt: skip
     size_weight: float = parameter(
-        0.0, "Weight of |Δ log relative size| beside the light field distance.", low=0.0, high=5.0, step=0.1,
-        live=True, methods=(*_WALKS, *_ASSIGNED), group=_PROPOSE)  # fmt: skip
+        0.0, "Weight of |Δ log relative size|.", low=0.0, high=5.0, step=0.1, live=True, methods=_MEASURED,
+        group=_PROPOSE)  # fmt: skip
     extent_weight: float = parameter(
-        0.5, "Weight of |Δ log relative extent| beside the light field distance.", low=0.0, high=5.0, step=0.1,
-        live=True, methods=(*_D, *_ASSIGNED), group=_PROPOSE)  # fmt: skip
+        0.5, "Weight of |Δ log relative extent|.", low=0.0, high=5.0, step=0.1, live=True, methods=_MEASURED,
+        group=_PROPOSE)  # fmt: skip
     centrality_weight: float = parameter(
-        2.0, "Weight of |Δ log mean geodesic distance| beside the light field distance.", low=0.0, high=10.0,
-        step=0.1, live=True, methods=(*_D, *_ASSIGNED), group=_PROPOSE)  # fmt: skip
+        2.0, "Weight of |Δ log mean geodesic distance|.", low=0.0, high=10.0, step=0.1, live=True, methods=_MEASURED,
+        group=_PROPOSE)  # fmt: skip
+    d1_weight: float = _weight("D1, the distances of surface points from the middle")
+    d2_weight: float = _weight("D2, the distances of two surface points")
+    d3_weight: float = _weight("D3, the areas of triangles of three surface points")
+    d4_weight: float = _weight("D4, the volumes of tetrahedra of four surface points")
+    a3_weight: float = _weight("A3, the angles of three surface points")
+    pca_weight: float = _weight("six features of the principal components, such as linearity and sphericity")
+    hks_weight: float = _weight("the mean heat kernel signature")
+    phks_weight: float = _weight("the persistent heat kernel signature")
+    volume_weight: float = _weight("relative volume and area")
     g_scale: float = parameter(
         0.5, "Scale of the weight exp(-distance/scale) of a candidate.", low=0.05, high=5.0, step=0.05, live=True,
         methods=(*_D, SPECTRAL), group=_PROPOSE)  # fmt: skip
@@ -155,8 +176,9 @@ class MatchParameters(Parameters):
 
 
 DEFAULT_PRESET = "top-down"
-_THESIS_RIGID: dict[str, Any] = {"method": THESIS}
-_THESIS_NONRIGID: dict[str, Any] = {"method": THESIS, "delta_1": 0.8, "delta_2": 0.2}
+_LFD_ALONE: dict[str, Any] = {"extent_weight": 0.0, "centrality_weight": 0.0}
+_THESIS_RIGID: dict[str, Any] = {"method": THESIS, **_LFD_ALONE}
+_THESIS_NONRIGID: dict[str, Any] = {**_THESIS_RIGID, "delta_1": 0.8, "delta_2": 0.2}
 PRESETS: dict[str, MatchParameters] = {
     name: checked(MatchParameters, values)
     for name, values in {
@@ -165,11 +187,11 @@ PRESETS: dict[str, MatchParameters] = {
         "thesis-nonrigid": _THESIS_NONRIGID,
         "thesis-rigid-size": {**_THESIS_RIGID, "size_weight": 1.0},
         "thesis-nonrigid-size": {**_THESIS_NONRIGID, "size_weight": 1.0},
-        "bottom": {"method": BOTTOM, "size_weight": 1.0},
+        "bottom": {"method": BOTTOM, **_LFD_ALONE, "size_weight": 1.0},
         "hungarian": {"method": HUNGARIAN, "size_weight": 1.0},
         "spectral": {"method": SPECTRAL, "size_weight": 1.0},
         "shed": {"method": SHED},
-        "diffusion": {"method": DIFFUSION, "size_weight": 1.0},
+        "diffusion": {"method": DIFFUSION, **_LFD_ALONE, "size_weight": 1.0},
     }.items()
 }
 

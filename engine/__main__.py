@@ -1,26 +1,32 @@
 """The headless command line, `python -m engine`; also mounted by `concord`, which adds pictures and the window."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import App, Parameter
 
+from . import evaluate_commands
 from .cli import progress_bar, run
+from .collection_commands import mount_collection
 from .parameters import Parameters, assignments, declared, read_values
 from .puzzle_commands import mount
 from .puzzles.parameters import PuzzleParameters
+from .shapes.collection_parameters import CollectionParameters
 from .shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters, preset
 from .store import default_cache, output_folder
 
 if TYPE_CHECKING:
+    from .collection_report import CollectionDraw
     from .report import Picture, PictureMaker
     from .shapes.result import MatchResult
     from .shapes.segmentation import SegmentedShape
 
 
-def no_pictures(source: "SegmentedShape", target: "SegmentedShape", result: "MatchResult") -> "list[Picture]":
+def no_pictures(
+    source: "SegmentedShape", target: "SegmentedShape", result: "MatchResult", states: Mapping[str, str] | None = None
+) -> "list[Picture]":
     """Reports of the bare engine have no pictures: drawing needs VTK."""
     return []
 
@@ -33,13 +39,15 @@ TargetLabels = Annotated[Path | None, Parameter(help="The same for the second me
 Words = Annotated[list[str] | None, Parameter(negative="", consume_multiple=True)]
 
 
-def build_app(draw: "PictureMaker" = no_pictures) -> App:
-    """The engine's commands; `draw` makes the pictures of a report."""
+def build_app(draw: "PictureMaker" = no_pictures, draw_collection: "CollectionDraw | None" = None) -> App:
+    """The engine's commands; `draw` makes the pictures of a report, `draw_collection` those of a collection."""
     words = "Find consistent correspondences between segmented shapes, and between the pieces of puzzles."
     app = App(name="concord", help=words, version=_version)
     app.command(list_parameters, name="parameters")
     app.command(make_shapes, name="make-shapes")
     mount(app)
+    evaluate_commands.mount(app, draw)
+    mount_collection(app, draw_collection)
 
     @app.command
     def match(
@@ -172,7 +180,8 @@ def parameter_text() -> str:
     for name, values in PRESETS.items():
         changes = ", ".join(f"{k}={v}" for k, v in values.differences(default).items()) or "the defaults"
         lines.append(f"  {name:<24}{changes}{'  [default]' if name == DEFAULT_PRESET else ''}")
-    for title, model in (("Parameters of shapes", MatchParameters), ("Parameters of puzzles", PuzzleParameters)):
+    for title, model in (("Parameters of shapes", MatchParameters), ("Parameters of collections", CollectionParameters),
+                         ("Parameters of puzzles", PuzzleParameters)):  # fmt: skip
         lines += ["", f"{title}", *_described(model)]
     return "\n".join(lines)
 

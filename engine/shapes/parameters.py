@@ -143,11 +143,11 @@ class MatchParameters(Parameters):
         3.0, "Geometric distance from which segments rather stay unmatched.", low=0.1, high=20.0, step=0.1, live=True,
         methods=(HUNGARIAN,), group=_PRUNE)  # fmt: skip
     geodesic_sigma: float = parameter(
-        0.15, "Scale of the difference of geodesic distances; beyond three of it segments do not support each other.",
+        0.2, "Scale of the difference of geodesic distances; beyond three of it segments do not support each other.",
         low=0.01, high=2.0, step=0.01, symbol="σ_d", unit="mean distance", live=True, methods=(SPECTRAL,),
         group=_PRUNE)  # fmt: skip
     confidence_min: float = parameter(
-        0.05, "Least entry of a match in the principal eigenvector, relative to the greatest.", low=0.0, high=1.0,
+        0.0, "Least entry of a match in the principal eigenvector, relative to the greatest.", low=0.0, high=1.0,
         step=0.01, live=True, methods=(SPECTRAL,), group=_PRUNE)  # fmt: skip
 
     # Pruning: top-down
@@ -191,9 +191,18 @@ PRESETS: dict[str, MatchParameters] = {
         "hungarian": {"method": HUNGARIAN, "size_weight": 1.0},
         "spectral": {"method": SPECTRAL, "size_weight": 1.0},
         "shed": {"method": SHED},
-        "diffusion": {"method": DIFFUSION, **_LFD_ALONE, "size_weight": 1.0},
+        "diffusion": {"method": DIFFUSION, **_LFD_ALONE, "size_weight": 1.0, "delta_2": 0.2},
     }.items()
 }
+
+
+def method_preset(method: str) -> str:
+    """The preset that a method starts from: the first that has it; raises `BadParameter` with the methods there are."""
+    found = [name for name, values in PRESETS.items() if values.method == method]
+    if not found:
+        methods = dict.fromkeys(values.method for values in PRESETS.values())
+        raise BadParameter(f"There is no method named '{method}'; the methods are: {', '.join(methods)}.")
+    return found[0]
 
 
 def preset(name: str) -> MatchParameters:

@@ -34,7 +34,7 @@ def draw_pair(
     Links that are not judged have the colour of their first source segment. Raises `ConcordError` where VTK or Qt
     cannot draw.
     """
-    _be_ready()
+    be_ready()
     from .pair import PairDrawing
 
     drawing = PairDrawing(theme, coloured=True)
@@ -48,7 +48,7 @@ def draw_pair(
 
 def draw_shape(shape: SegmentedShape, size: tuple[int, int] = (600, 600), theme: Theme = LIGHT) -> bytes:
     """One shape with its segments as a PNG of `size` logical pixels, two pixels each; raises as `draw_pair`."""
-    _be_ready()
+    be_ready()
     from .cameras import candidate_directions, fitting_distance, look_from
     from .pane import Pane
 
@@ -94,7 +94,7 @@ def _drawer(image: object, size: tuple[int, int]) -> Callable[[QPainter], None]:
     return lambda painter: painter.drawImage(QRectF(0, 0, *size), image)
 
 
-def _be_ready() -> None:
+def be_ready() -> None:
     """Make sure that VTK can draw and that there is a Qt application for text; neither needs a screen."""
     global _app
     sentence = glprobe.problem()

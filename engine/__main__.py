@@ -14,7 +14,7 @@ from .parameters import Parameters, assignments, declared, read_values
 from .puzzle_commands import mount
 from .puzzles.parameters import PuzzleParameters
 from .shapes.collection_parameters import CollectionParameters
-from .shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters, preset
+from .shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters, method_preset, preset
 from .store import default_cache, output_folder
 
 if TYPE_CHECKING:
@@ -57,7 +57,8 @@ def build_app(draw: "PictureMaker" = no_pictures, draw_collection: "CollectionDr
         out: Path,
         source_labels: SourceLabels = None,
         target_labels: TargetLabels = None,
-        preset: str = DEFAULT_PRESET,
+        method: str | None = None,
+        preset: str | None = None,
         set: Words = None,
         parameters: Path | None = None,
     ) -> None:
@@ -67,8 +68,11 @@ def build_app(draw: "PictureMaker" = no_pictures, draw_collection: "CollectionDr
         ----------
         out
             Folder for the results; made if it is missing.
+        method
+            How matches are chosen, with the preset of its name unless one is given: thesis, top-down, bottom, hungarian,
+            spectral, shed or diffusion.
         preset
-            Named parameters; `concord parameters` lists them.
+            Named parameters; `concord parameters` lists them. `--method` still wins.
         set
             NAME=VALUE, replaces single parameters; may be given several times.
         parameters
@@ -76,9 +80,10 @@ def build_app(draw: "PictureMaker" = no_pictures, draw_collection: "CollectionDr
         """
         from .shapes.meshfile import load_shape
 
-        values = chosen_parameters(preset, set or (), parameters)
+        named = preset or (method_preset(method) if method else DEFAULT_PRESET)
+        values = chosen_parameters(named, set or (), parameters, method=method)
         shapes = load_shape(source, source_labels), load_shape(target, target_labels)
-        match_into(output_folder(out), shapes[0], shapes[1], values, preset_name(values, preset), draw)
+        match_into(output_folder(out), shapes[0], shapes[1], values, preset_name(values, named), draw)
 
     return app
 
@@ -165,11 +170,15 @@ def preset_name(values: MatchParameters, asked: str) -> str:
     return asked if PRESETS[asked].method == values.method else ""
 
 
-def chosen_parameters(preset_name: str, settings: Sequence[str], file: Path | None) -> MatchParameters:
-    """A preset, then the values of a file, then single settings; raises `BadParameter` or `BadInput`."""
+def chosen_parameters(
+    preset_name: str, settings: Sequence[str], file: Path | None, *, method: str | None = None
+) -> MatchParameters:
+    """A preset, then the values of a file, the method, and single settings; raises `BadParameter` or `BadInput`."""
     values = preset(preset_name)
     if file is not None:
         values = values.changed(**read_values(file))
+    if method is not None:
+        values = values.changed(method=method)
     return values.changed(**assignments(settings))
 
 

@@ -11,7 +11,7 @@ from .agreement import affinity_degrees, affinity_table, isometry
 from .hops import diameter, hop_distances
 from .judged import beside_pins
 from .parameters import MatchParameters
-from .proposing import Proposals, open_rows
+from .proposing import Proposals, geometric_distance, looks_distance, open_rows
 
 Matched = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
@@ -22,9 +22,9 @@ def match_bottom(proposals: Proposals, p: MatchParameters) -> Matched:
     Rows of `proposals.pairs` that are accepted, best first, with score, similarity and votes (each (p,)), as all
     methods give them. Score is π relative to the best candidate.
     """
-    similarity = np.exp(-(proposals.lfd + p.size_weight * proposals.size) / p.sigma)
+    similarity = np.exp(-geometric_distance(proposals, p) / p.sigma)
     possible = proposals.bottom & beside_pins(proposals) & open_rows(proposals)
-    rows = np.flatnonzero(possible & (np.exp(-proposals.lfd / p.sigma) >= p.lfd_threshold))
+    rows = np.flatnonzero(possible & (np.exp(-looks_distance(proposals, p) / p.sigma) >= p.lfd_threshold))
     rows = rows[k_best(proposals.pairs[rows], -similarity[rows], p.K, side=0)]
     rows = np.union1d(rows, np.flatnonzero(possible & proposals.pinned))
     hops = [hop_distances(len(s.graph.area), s.graph.edges) for s in (proposals.source, proposals.target)]
@@ -45,9 +45,9 @@ def match_diffusion(proposals: Proposals, p: MatchParameters) -> Matched:
     Affinity is ((k - c₀)/(1 - c₀))² inside the local regions, with the similarity on the diagonal as in Eq 3.3, so that
     candidates without support are looked at, too. Score is π relative to the best candidate.
     """
-    similarity = np.exp(-(proposals.lfd + p.size_weight * proposals.size) / p.sigma)
+    similarity = np.exp(-geometric_distance(proposals, p) / p.sigma)
     possible = beside_pins(proposals) & open_rows(proposals)
-    rows = np.flatnonzero(possible & (np.exp(-proposals.lfd / p.sigma) >= p.lfd_threshold))
+    rows = np.flatnonzero(possible & (np.exp(-looks_distance(proposals, p) / p.sigma) >= p.lfd_threshold))
     rows = rows[k_best(proposals.pairs[rows], -similarity[rows], p.K, side=0)]
     rows = np.union1d(rows, np.flatnonzero(proposals.pinned))
     hops = [proposals.source.hops, proposals.target.hops]
@@ -82,7 +82,7 @@ def match_hungarian(proposals: Proposals, p: MatchParameters) -> Matched:
 
     Score is 1 - distance / `distance_max`.
     """
-    distance = _distance(proposals, p)
+    distance = geometric_distance(proposals, p)
     rows = np.flatnonzero(proposals.bottom & beside_pins(proposals) & open_rows(proposals) & ~proposals.pinned)
     rows = rows[assign(proposals.pairs[rows], distance[rows], p.distance_max)]
     return _ranked(proposals, rows, 1 - distance[rows] / p.distance_max, p)
@@ -94,7 +94,7 @@ def match_spectral(proposals: Proposals, p: MatchParameters) -> Matched:
     Candidates are the K nearest in both directions. Two support each other by 1 - (Δ/3σ)² where the geodesic distances
     of their segments differ by Δ < 3σ, weighted by how near they are; the principal eigenvector is their confidence.
     """
-    distance = _distance(proposals, p)
+    distance = geometric_distance(proposals, p)
     rows = np.flatnonzero(proposals.bottom & beside_pins(proposals) & open_rows(proposals))
     pairs = proposals.pairs[rows]
     near = k_best(pairs, distance[rows], p.K, side=0) | k_best(pairs, distance[rows], p.K, side=1)
@@ -111,10 +111,6 @@ def match_spectral(proposals: Proposals, p: MatchParameters) -> Matched:
     accepted = greedy(proposals.pairs[rows], confidence, lambda a, others: np.zeros(len(others), dtype=bool),
                       fixed=np.flatnonzero(proposals.pinned[rows]))  # fmt: skip
     return _ranked(proposals, rows[accepted], confidence[accepted], p)
-
-
-def _distance(proposals: Proposals, p: MatchParameters) -> np.ndarray:
-    return proposals.lfd + p.size_weight * proposals.size + p.extent_weight * proposals.extent + p.centrality_weight * proposals.centrality
 
 
 def _ranked(proposals: Proposals, rows: np.ndarray, score: np.ndarray, p: MatchParameters) -> Matched:

@@ -4,12 +4,14 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from ..errors import BadInput
 from ..progress import Progress, share, silent
 from ..store import Cache, cache_key
+from .features import NodeFeatures
 from .hops import hop_distances
 from .identity import mesh_id, node_id, segment_ids
 from .lightfield import light_field_descriptors, quantile_signatures
@@ -29,7 +31,8 @@ class DescribedShape:
 
     `hops` (k, k) uint8 distances in the multi-layer graph; `descriptors` (k, light fields, 10, 45) float32;
     `signatures` (k, 450) float32; `segment_ids` the s content hashes; `parameters` those that it was described with;
-    `notes` what was assumed or capped, in sentences.
+    `notes` what was assumed or capped, in sentences. `features` are all other descriptors, made when first asked for,
+    with what `kept` remembers of the shape and `cache` of earlier runs.
     """
 
     shape: SegmentedShape
@@ -44,6 +47,18 @@ class DescribedShape:
     parameters: MatchParameters
     notes: tuple[str, ...] = ()
     seconds: dict[str, float] = field(default_factory=dict)
+    cache: Cache | None = None
+    kept: dict[str, Any] = field(default_factory=dict)
+    _memory: dict[str, NodeFeatures] = field(default_factory=dict, init=False)  # of these very nodes: not for `replace`
+
+    @property
+    def features(self) -> NodeFeatures:
+        """Descriptors (k, dims) float32 by name; see `features.FEATURES`."""
+        if "features" not in self._memory:
+            self._memory["features"] = NodeFeatures(
+                self.shape, self.segment_ids, self.graph, self.layers.members, seed=self.parameters.seed,
+                cache=self.cache, kept=self.kept)  # fmt: skip
+        return self._memory["features"]
 
 
 class Stopwatch:
@@ -94,7 +109,7 @@ def describe(
     notes = (*shape.notes, *notes, *([f"{shape.mesh.name}: {layers.capped}"] if layers.capped else []))
     return DescribedShape(
         shape, record, ids, graph, layers, hops, measures, descriptors,
-        quantile_signatures(descriptors), parameters, notes, watch.seconds)  # fmt: skip
+        quantile_signatures(descriptors), parameters, notes, watch.seconds, cache)  # fmt: skip
 
 
 def _kept(

@@ -9,7 +9,7 @@ from .describing import DescribedShape, Stopwatch, describe
 from .guided import with_wishes
 from .identity import match_id, node_id
 from .parameters import BOTTOM, DIFFUSION, HUNGARIAN, SHED, SPECTRAL, THESIS, TOP_DOWN, MatchParameters
-from .proposing import Proposals, propose
+from .proposing import Proposals, propose, widened
 from .result import MatchResult
 from .segmentation import SegmentedShape
 from .shed import match_shed
@@ -63,6 +63,7 @@ def rematch(
     """
     watch = Stopwatch()
     with watch("pruning and voting"):
+        proposals = widened(proposals, parameters)
         proposals = with_wishes(proposals, wishes) if wishes else proposals
         rows, score, similarity, votes = METHODS[parameters.method](proposals, parameters)
     assert np.isin(np.flatnonzero(proposals.pinned), rows).all(), "a pinned match is missing"

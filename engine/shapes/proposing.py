@@ -1,6 +1,7 @@
 """Which pairs of nodes are worth looking at, and how far apart they are: the slow part of a pair."""
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -8,8 +9,14 @@ from ..progress import Progress, silent
 from ..store import Cache, cache_key
 from .agreement import pack
 from .describing import DescribedShape, Stopwatch
-from .lightfield import light_field_distances, signature_distances
+from .features import FEATURES, SCALES, FeatureDistances, row_distances
+from .lightfield import VIEWS, light_field_distances, signature_distances
 from .parameters import MatchParameters
+
+SIGNATURE, EXACT = "signature", "exact"
+SIGNATURE_SCALE = 1.4  # exact distances of true pairs are about so much larger than those of their signatures
+TRUE_DISTANCE = 1.8  # light field distance that is usual for true pairs
+_MEASURES = ("size", "extent", "centrality")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,7 +27,7 @@ class Proposals:
     `extent` and `centrality` (c,) = |Δ log| of the measures; `bottom` (c,) bool where both nodes are segments. All
     pairs of segments are there; the whole shapes are not. `packed_source`, `packed_target`: see `agreement.pack`.
     `pinned` and `barred` (c,) bool are the pairs that people have judged: every method takes all pinned pairs, before
-    anything else, and never a barred one.
+    anything else, and never a barred one. `kind` says whether `lfd` is exact or that of the quantile signatures.
     """
 
     source: DescribedShape
@@ -36,6 +43,44 @@ class Proposals:
     pinned: np.ndarray
     barred: np.ndarray
     seconds: dict[str, float] = field(default_factory=dict)
+    kind: str = EXACT
+    _memory: dict[object, object] = field(default_factory=dict, init=False)  # of these very pairs: not for `replace`
+
+    @property
+    def apart(self) -> FeatureDistances:
+        """Distances (c,) of the pairs by each descriptor of `FEATURES`, about 1 for true pairs; made when asked for."""
+        if "apart" not in self._memory:
+            self._memory["apart"] = FeatureDistances(self.source.features, self.target.features, self.pairs)
+        return self._memory["apart"]  # type: ignore[return-value]
+
+
+def geometric_distance(proposals: Proposals, p: MatchParameters) -> np.ndarray:
+    """How unlike the nodes of each pair are, (c,) float64: the weighted sum of all distances, light field first."""
+    total = p.lfd_weight * proposals.lfd
+    for name in _MEASURES:
+        weight = getattr(p, f"{name}_weight")
+        total = total + weight * getattr(proposals, name) if weight else total
+    for name in active(p):
+        total = total + getattr(p, f"{name}_weight") * proposals.apart[name]
+    return total
+
+
+def looks_distance(proposals: Proposals, p: MatchParameters) -> np.ndarray:
+    """The weighted mean of the descriptors' distances alone, on the scale of the light field distance, (c,) float64.
+
+    It is the light field distance where no other descriptor has a weight, and where none has any.
+    """
+    names = active(p)
+    weights = p.lfd_weight + sum(getattr(p, f"{name}_weight") for name in names)
+    if not names or not weights:
+        return proposals.lfd
+    others = sum(getattr(p, f"{name}_weight") * proposals.apart[name] for name in names)
+    return (p.lfd_weight * proposals.lfd + TRUE_DISTANCE * others) / weights
+
+
+def active(p: MatchParameters) -> tuple[str, ...]:
+    """The descriptors beside the light field that have a weight."""
+    return tuple(name for name in FEATURES if getattr(p, f"{name}_weight") > 0)
 
 
 def propose(
@@ -46,11 +91,11 @@ def propose(
     progress: Progress = silent,
     cache: Cache | None = None,
 ) -> Proposals:
-    """Exact light field distances of the pairs that can matter.
+    """Light field distances of the pairs that can matter, exact or by the signatures alone as `lfd` says.
 
     A pair is kept if it is among the `pool` nearest of either node by the quantile signature alone, with size, with
     extent and centrality, with much size, or with much centrality; and all pairs of bottom segments are. So the K best
-    under any weights of the live parameters are nearly always among them.
+    under any weights of these are nearly always among them; see `widened` for the other descriptors.
     """
     watch = Stopwatch()
     progress(0.0, "candidate pairs")
@@ -58,21 +103,68 @@ def propose(
         pairs = _pool(source, target, parameters.pool)
     progress(0.2, "light field distances")
     with watch("distances"):
-        lfd = _distances(source, target, pairs, progress, cache)
-    return _measured(source, target, pairs, lfd, (pack(source.measures), pack(target.measures)), watch.seconds)
+        if parameters.lfd == SIGNATURE:
+            lfd = _light_field(source, target, pairs, SIGNATURE)
+        else:
+            lfd = _distances(source, target, pairs, progress, cache)
+    packed = pack(source.measures), pack(target.measures)
+    found = _measured(source, target, pairs, lfd, packed, watch.seconds, parameters.lfd)
+    with watch("further descriptors"):
+        widened(found, parameters)
+    return found
+
+
+def widened(proposals: Proposals, p: MatchParameters) -> Proposals:
+    """The proposals and the pairs that are near by other descriptors that have a weight, or without the light field.
+
+    Those are the `pool` nearest of either node by each descriptor, by their sum, and by the sum with size and with
+    extent and centrality. The same object for the same set of descriptors, so that a slider does not wait twice; the
+    proposals themselves where the light field has a weight and none of the others.
+    """
+    names = active(p)
+    if not names and p.lfd_weight:
+        return proposals
+    key = (names, p.lfd_weight > 0, p.pool)
+    if key not in proposals._memory:
+        extra = _near_otherwise(proposals, names, p)
+        known = proposals.pairs[:, 0] << 32 | proposals.pairs[:, 1]
+        extra = extra[~np.isin(extra[:, 0] << 32 | extra[:, 1], known)]
+        more = with_pairs(proposals, proposals.source, proposals.target, extra)
+        old = np.searchsorted(more.pairs[:, 0] << 32 | more.pairs[:, 1], known)
+        judged = [np.zeros(len(more.pairs), dtype=bool) for _ in range(2)]
+        judged[0][old], judged[1][old] = proposals.pinned, proposals.barred
+        proposals._memory[key] = replace(more, pinned=judged[0], barred=judged[1])
+    return proposals._memory[key]  # type: ignore[return-value]
+
+
+def _near_otherwise(proposals: Proposals, names: Sequence[str], p: MatchParameters) -> np.ndarray:
+    """The pairs that `widened` adds, and some that are there already, (e, 2) int64 sorted."""
+    source, target = proposals.source, proposals.target
+    n, m = (len(shape.layers.members) - 1 for shape in (source, target))
+    every = np.indices((n, m)).reshape(2, -1).T
+    alone = [(row_distances(source.features[name], target.features[name], every) / SCALES[name]).reshape(n, m)
+             for name in names]  # fmt: skip
+    total = sum(alone, np.zeros((n, m)))
+    if p.lfd_weight:
+        total = total + signature_distances(source.signatures[:n], target.signatures[:m])
+    size, extent, centrality = _differences(source, target)
+    kept = np.zeros((n, m), dtype=bool)
+    for distance in (*alone, total, total + size, total + 0.5 * extent + 2 * centrality):
+        _keep_nearest(kept, distance, p.pool)
+    return np.argwhere(kept)
 
 
 def with_pairs(proposals: Proposals, source: DescribedShape, target: DescribedShape, extra: np.ndarray) -> Proposals:
-    """The proposals and further pairs `extra` (e, 2), with exact distances.
+    """The proposals and further pairs `extra` (e, 2), with their distances.
 
     `source` and `target` are those of the proposals, or the same with nodes added (see `extending.with_nodes`).
     """
-    lfd = light_field_distances(source.descriptors, target.descriptors, extra)
+    lfd = _light_field(source, target, extra, proposals.kind)
     pairs, lfd = np.concatenate([proposals.pairs, extra]), np.concatenate([proposals.lfd, lfd])
     order = np.lexsort((pairs[:, 1], pairs[:, 0]))
     packed = (proposals.packed_source if source is proposals.source else pack(source.measures),
               proposals.packed_target if target is proposals.target else pack(target.measures))  # fmt: skip
-    return _measured(source, target, pairs[order], lfd[order], packed, proposals.seconds)
+    return _measured(source, target, pairs[order], lfd[order], packed, proposals.seconds, proposals.kind)
 
 
 def open_rows(proposals: Proposals) -> np.ndarray:
@@ -84,7 +176,7 @@ def open_rows(proposals: Proposals) -> np.ndarray:
 
 def _measured(
     source: DescribedShape, target: DescribedShape, pairs: np.ndarray, lfd: np.ndarray,
-    packed: tuple[np.ndarray, np.ndarray], seconds: dict[str, float],
+    packed: tuple[np.ndarray, np.ndarray], seconds: dict[str, float], kind: str,
 ) -> Proposals:  # fmt: skip
     """Proposals of sorted pairs (c, 2) with their light field distances (c,): all else that is known of a pair."""
     s, t = source.measures, target.measures
@@ -93,7 +185,7 @@ def _measured(
     return Proposals(
         source, target, pairs, lfd, _apart(s.size[i], t.size[j]), _apart(s.extent[i], t.extent[j]),
         _apart(s.centrality[i], t.centrality[j]), bottom, *packed,
-        np.zeros(len(pairs), dtype=bool), np.zeros(len(pairs), dtype=bool), seconds)  # fmt: skip
+        np.zeros(len(pairs), dtype=bool), np.zeros(len(pairs), dtype=bool), seconds, kind)  # fmt: skip
 
 
 def _apart(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -104,19 +196,34 @@ def _apart(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 def _pool(source: DescribedShape, target: DescribedShape, pool: int) -> np.ndarray:
     n, m = (len(shape.layers.members) - 1 for shape in (source, target))  # the last node is the whole shape
     near = signature_distances(source.signatures[:n], target.signatures[:m]).astype(np.float64)
-    s, t = source.measures, target.measures
-    size = _apart(s.size[:n, None], t.size[None, :m])
-    extent = _apart(s.extent[:n, None], t.extent[None, :m])
-    centrality = _apart(s.centrality[:n, None], t.centrality[None, :m])
+    size, extent, centrality = _differences(source, target)
     kept = np.zeros((n, m), dtype=bool)
     kept[: len(source.graph.area), : len(target.graph.area)] = True
     for extra in (0.0, size, 0.5 * extent + 2 * centrality, 5 * size, 2 * extent + 10 * centrality):
-        distance = near + extra
-        for axis in (0, 1):
-            most = min(pool, distance.shape[axis])
-            rows = np.argpartition(distance, most - 1, axis=axis)
-            np.put_along_axis(kept, rows[:most] if axis == 0 else rows[:, :most], True, axis=axis)
+        _keep_nearest(kept, near + extra, pool)
     return np.argwhere(kept)
+
+
+def _differences(source: DescribedShape, target: DescribedShape) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Differences in size, extent and centrality of all nodes but the whole shapes, each (n, m)."""
+    s, t = source.measures, target.measures
+    size, extent, centrality = (_apart(getattr(s, x)[:-1, None], getattr(t, x)[None, :-1]) for x in _MEASURES)
+    return size, extent, centrality
+
+
+def _keep_nearest(kept: np.ndarray, distance: np.ndarray, pool: int) -> None:
+    """Mark in `kept` (n, m) the `pool` nearest of each row and of each column."""
+    for axis in (0, 1):
+        most = min(pool, distance.shape[axis])
+        rows = np.argpartition(distance, most - 1, axis=axis)
+        np.put_along_axis(kept, rows[:most] if axis == 0 else rows[:, :most], True, axis=axis)
+
+
+def _light_field(source: DescribedShape, target: DescribedShape, pairs: np.ndarray, kind: str) -> np.ndarray:
+    """Light field distances of pairs (c, 2), float64: exact, or by the signatures on the same scale."""
+    if kind == SIGNATURE:
+        return SIGNATURE_SCALE * row_distances(source.signatures, target.signatures, pairs) / VIEWS
+    return light_field_distances(source.descriptors, target.descriptors, pairs)
 
 
 def _distances(

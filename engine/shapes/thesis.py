@@ -8,7 +8,7 @@ from ..consistency.voting import nesting, vote
 from .agreement import affinity_degrees, affinity_table, isometry
 from .hops import UNREACHABLE, diameter
 from .parameters import MatchParameters
-from .proposing import Proposals, open_rows
+from .proposing import Proposals, geometric_distance, looks_distance, open_rows
 
 
 class _Stage:
@@ -53,9 +53,9 @@ def match_thesis(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray, 
     Score is π relative to the best candidate of the second stage. What people have pinned is an anchor of both stages,
     whatever its similarity, and outlives the voting.
     """
-    similarity = np.exp(-(proposals.lfd + p.size_weight * proposals.size) / p.sigma)
+    similarity = np.exp(-geometric_distance(proposals, p) / p.sigma)
     distance = -similarity
-    allowed = (np.exp(-proposals.lfd / p.sigma) >= p.lfd_threshold) & open_rows(proposals)
+    allowed = (np.exp(-looks_distance(proposals, p) / p.sigma) >= p.lfd_threshold) & open_rows(proposals)
     pins = np.flatnonzero(proposals.pinned)
     bottom = np.flatnonzero(allowed & proposals.bottom)
     anchors = np.union1d(bottom[k_best(proposals.pairs[bottom], distance[bottom], p.K, side=0)], pins)

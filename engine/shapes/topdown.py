@@ -7,13 +7,13 @@ from ..consistency.diffusion import greedy
 from ..consistency.voting import containment, nesting
 from .agreement import overlap_agreement, overlap_scores
 from .parameters import MatchParameters
-from .proposing import Proposals, open_rows
+from .proposing import Proposals, geometric_distance, open_rows
 
 
 def match_top_down(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Rows of `proposals.pairs` that are accepted, best first, with score, similarity and votes (each (p,)).
 
-    1. distance = LFD + extent and centrality differences, weighted; g = exp(-distance/scale); K best both ways.
+    1. distance = that of `geometric_distance`; g = exp(-distance/scale); K best both ways.
     2. score(a) = g_a Σ_b relu((m_ab - from)/(1 - from)) g_b, where m = r · ratio of geodesic distances.
     3. Greedy, one-to-one; a match must agree with every accepted one (r and ratio).
     4. Bottom pairs last, by (mean m to the accepted)² · √g.
@@ -23,7 +23,7 @@ def match_top_down(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray
 
     The score reported is the mean agreement m with the other accepted matches, in [0, 1].
     """
-    distance = proposals.lfd + p.extent_weight * proposals.extent + p.centrality_weight * proposals.centrality
+    distance = geometric_distance(proposals, p)
     g = np.where(proposals.pinned, 1.0, np.exp(-distance / p.g_scale))
     pairs = proposals.pairs
     rows = np.flatnonzero(open_rows(proposals))

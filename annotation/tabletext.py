@@ -3,11 +3,13 @@
 from collections.abc import Sequence
 from typing import Literal
 
+from engine.evaluation.averages import thesis_average
 from engine.evaluation.intervals import ONE_CLUSTER
+from engine.evaluation.tables import Table
 
 from .agreement import krippendorff_alpha, raw_agreement
 from .csvtext import csv_text
-from .precision import ALL_SETS, Ballot, PrecisionRow, thesis_average
+from .precision import ALL_SETS, Ballot, PrecisionRow
 
 TableFormat = Literal["text", "csv", "markdown"]
 _HEADER = (
@@ -29,6 +31,12 @@ def render(rows: Sequence[PrecisionRow], votes: Sequence[Ballot], style: TableFo
     table = [_HEADER, *(_cells(row) for row in rows)]
     lines = _aligned(table) if style == "text" else _markdown(table)
     return "\n".join([*lines, "", *_notes(rows, votes, "- " if style == "markdown" else "")]) + "\n"
+
+
+def as_table(rows: Sequence[PrecisionRow], votes: Sequence[Ballot]) -> Table:
+    """The table with its notes below it."""
+    return Table("Precision by majority of the votes", _HEADER, [_cells(row) for row in rows], _WORDS,
+                 " ".join(_notes(rows, votes, "")))  # fmt: skip
 
 
 def percent(share: float | None, digits: int = 1) -> str:
@@ -53,14 +61,15 @@ def agreement_line(votes: Sequence[Ballot]) -> str:
 def _cells(row: PrecisionRow) -> tuple[str, ...]:
     interval = _range(row.interval.low, row.interval.high) if row.interval else "–"
     return (
-        _name(row) + ("*" if row.parameter_sets > 1 else ""), row.set_name or "–", str(row.pairs),
+        row_name(row) + ("*" if row.parameter_sets > 1 else ""), row.set_name or "–", str(row.pairs),
         f"{row.judged} of {row.matches}", str(row.correct), str(row.wrong), str(row.tie), _number(row.micro), interval,
         _number(row.macro), _range(row.bound_low, row.bound_high), f"{row.votes} by {row.volunteers}",
         _number(row.unsure),
     )  # fmt: skip
 
 
-def _name(row: PrecisionRow) -> str:
+def row_name(row: PrecisionRow) -> str:
+    """Method and preset, once where they have the same name."""
     return row.method if row.preset in ("", row.method) else f"{row.method}, {row.preset}"
 
 
@@ -95,7 +104,7 @@ def _thesis_notes(rows: Sequence[PrecisionRow]) -> list[str]:
         sets = [r for r in rows if r[:2] == total[:2] and r.set_name != ALL_SETS and r.micro is not None]
         if len(sets) > 1:
             mean, spread = thesis_average([100 * (r.micro or 0) for r in sets], [r.pairs for r in sets])
-            notes.append(f"As in Tables 3.1/3.2, {_name(total)}: {mean:.3f} % ± {spread:.3f} over {len(sets)} sets.")
+            notes.append(f"As in Tables 3.1/3.2, {row_name(total)}: {mean:.3f} % ± {spread:.3f} over {len(sets)} sets.")
     return notes
 
 

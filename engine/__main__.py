@@ -13,9 +13,11 @@ from .collection_commands import mount_collection
 from .parameters import Parameters, assignments, declared, read_values
 from .puzzle_commands import mount
 from .puzzles.parameters import PuzzleParameters
+from .shape_table_commands import VoteReader, no_votes
 from .shapes.collection_parameters import CollectionParameters
 from .shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters, method_preset, preset
 from .store import default_cache, output_folder
+from .table_commands import build_tables
 
 if TYPE_CHECKING:
     from .collection_report import CollectionDraw
@@ -39,13 +41,17 @@ TargetLabels = Annotated[Path | None, Parameter(help="The same for the second me
 Words = Annotated[list[str] | None, Parameter(negative="", consume_multiple=True)]
 
 
-def build_app(draw: "PictureMaker" = no_pictures, draw_collection: "CollectionDraw | None" = None) -> App:
-    """The engine's commands; `draw` makes the pictures of a report, `draw_collection` those of a collection."""
+def build_app(
+    draw: "PictureMaker" = no_pictures, draw_collection: "CollectionDraw | None" = None, voted: VoteReader = no_votes
+) -> App:
+    """The engine's commands; `draw` makes the pictures of a report, `draw_collection` those of a collection, and
+    `voted` reads the votes of a study for the thesis's tables."""
     words = "Find consistent correspondences between segmented shapes, and between the pieces of puzzles."
     app = App(name="concord", help=words, version=_version)
     app.command(list_parameters, name="parameters")
     app.command(make_shapes, name="make-shapes")
     mount(app)
+    app.command(build_tables(voted))
     evaluate_commands.mount(app, draw)
     mount_collection(app, draw_collection)
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .report import PictureMaker
     from .runs.collection import Collection
     from .runs.judging import Method
+    from .runs.pairs import Pair
     from .runs.sweep import Result
 
 Words = Annotated[list[str] | None, Parameter(negative="", consume_multiple=True)]
@@ -45,13 +46,23 @@ class Asked:
     pose: Annotated[Literal["upright", "turned"], Parameter(help="Pose of generated shapes.")] = "turned"
 
 
+EVERYTHING = Asked()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """What a sweep gave: the results by pair and method, in the order of the collection."""
+    """What a sweep gave: the results by pair and method, in the order of the collection; `layers` by family, where set."""
 
     collection: "Collection"
     methods: "tuple[Method, ...]"
+    layers: dict[str, int]
     results: "dict[tuple[int, int], Result]"
+
+    def method_on(self, pair: "Pair", number: int) -> "Method":
+        """A method as it was run on a pair: with the layers of the pair's family, where they were set."""
+        method = self.methods[number]
+        layers = self.layers.get(pair.family, method.parameters.layers)
+        return method._replace(parameters=method.parameters.changed(layers=layers))
 
 
 def mount(app: App, draw: "PictureMaker") -> None:
@@ -63,7 +74,7 @@ def mount(app: App, draw: "PictureMaker") -> None:
         *,
         out: Path,
         methods: Words = None,
-        asked: Asked = Asked(),
+        asked: Asked = EVERYTHING,
         set: Words = None,
         jobs: int = 0,
         keep_matches: Annotated[bool, Switch] = False,
@@ -122,22 +133,30 @@ def run(
     methods: "tuple[Method, ...]",
     out: Path,
     *,
+    layers: dict[str, int] | None = None,
     jobs: int = 0,
     cold: bool = False,
     progress: Progress,
 ) -> Outcome:
-    """All methods on all pairs; results are kept in OUT/runs. Raises `BadInput` or `BadParameter` before any long work."""
+    """All methods on all pairs; results are kept in OUT/runs. Raises `BadInput` or `BadParameter` before any long work.
+
+    `layers` gives single families another number of layers.
+    """
     from .runs.judging import match_and_judge, task
     from .runs.sweep import run_tasks
 
     if not 0 <= jobs <= MOST_JOBS:
         raise BadParameter(f"--jobs cannot be {jobs}: it takes 0 to {MOST_JOBS}.")
     found = the_collection(collection, asked, progress=share(progress, 0.0, 0.05))
-    tasks = [task(pair, methods, cold=cold) for pair in found.pairs]
+    unknown = [name for name in layers or {} if name not in {pair.family for pair in found.pairs}]
+    if unknown:
+        raise BadParameter(f"--layers names '{unknown[0]}', which is no set of {found.name}.")
+    outcome = Outcome(found, methods, dict(layers or {}), {})
+    tasks = [task(pair, [outcome.method_on(pair, k) for k in range(len(methods))], cold=cold) for pair in found.pairs]
     processes = jobs or max(1, (os.cpu_count() or 2) - 1)
     kept = run_tasks(tasks, match_and_judge, out / "runs", jobs=processes, progress=share(progress, 0.05, 1.0))
-    results = {(i, k): kept[key] for i, task in enumerate(tasks) for k, key in enumerate(task.keys)}
-    return Outcome(found, methods, results)
+    outcome.results.update({(i, k): kept[key] for i, one in enumerate(tasks) for k, key in enumerate(one.keys)})
+    return outcome
 
 
 def the_collection(name: str, asked: Asked, *, progress: Progress) -> "Collection":

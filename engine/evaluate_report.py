@@ -30,7 +30,7 @@ def write_report(outcome: "Outcome", folder: Path, draw: "PictureMaker", picture
     tables, lead = sheets.tables(sets, comparisons), lead_of(outcome)
     shown = _pictures(outcome, rows, draw, pictures, progress)
     folded = sheets.pair_table(rows)
-    sections = [*(table_section(t) for t in tables), *shown, _notes_section(notes),
+    sections = [*(table_section(t) for t in tables), *shown, notes_section(notes),
                 f"<details><summary>{escape(folded.title)}</summary>{_html(folded)}</details>"]  # fmt: skip
     write_together({
         folder / "tables.md": to_markdown(tables, lead, notes), folder / "tables.tex": to_latex(tables, lead),
@@ -85,7 +85,8 @@ def _html(table: Table) -> str:
     return f'<div style="overflow-x:auto">{html_table(table.head, table.rows, table.numeric)}</div>'
 
 
-def _notes_section(notes: Sequence[str]) -> str:
+def notes_section(notes: Sequence[str]) -> str:
+    """What is worth knowing, as a list in HTML; nothing where there is nothing."""
     items = "".join(f"<li>{escape(note)}</li>" for note in notes)
     return f"<h2>Notes</h2><ul>{items}</ul>" if items else ""
 
@@ -120,7 +121,7 @@ def _pictures(
                     return []
                 parts.append(f"<h3>{title}: {escape(_caption(row))}</h3>" + pictures_html(drawn))
         if parts:
-            words = "Green links are right by the lenient rule, red ones wrong."
+            words = "Solid links with a tick are right by the lenient rule, dashed ones with a cross wrong."
             sections.append(f"<h2>Best and worst pairs of {escape(method.name)}</h2><p>{words}</p>" + "".join(parts))
     return sections
 

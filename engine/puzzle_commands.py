@@ -1,4 +1,4 @@
-"""The commands of puzzles: `solve`, `cut` and `bench puzzles`; `tables` is mounted with them."""
+"""The commands of puzzles: `solve`, `cut` and `bench puzzles`."""
 
 from html import escape
 from pathlib import Path
@@ -10,7 +10,6 @@ from .cli import progress_bar, results_folder
 from .errors import BadInput, BadParameter
 from .parameters import assignments, read_values
 from .puzzles.parameters import PuzzleParameters
-from .table_commands import build_tables
 
 if TYPE_CHECKING:
     from .puzzles.gathering import Cutting
@@ -29,7 +28,6 @@ def mount(app: App) -> None:
     bench = App(name="bench", help="Run benchmarks on your own files.")
     bench.command(bench_puzzles, name="puzzles")
     app.command(bench)
-    app.command(build_tables())
 
 
 def solve(

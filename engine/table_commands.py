@@ -1,4 +1,4 @@
-"""The commands `tables 4.1` and `tables 5.2`: the thesis's tables of puzzles on any folder of pictures."""
+"""The commands `tables`: the thesis's tables of puzzles on any folder of pictures; those of shapes are mounted."""
 
 from collections.abc import Sequence
 from html import escape
@@ -11,6 +11,7 @@ from .cli import progress_bar, results_folder
 from .errors import BadInput, BadParameter
 from .parameters import assignments
 from .puzzles.parameters import PuzzleParameters
+from .shape_table_commands import VoteReader, mount_shape_tables, no_votes
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,9 +24,10 @@ Numbers = Annotated[list[float] | None, Parameter(negative="", consume_multiple=
 NAMING = ("image",)  # columns of words; the others are numbers
 
 
-def build_tables() -> App:
-    """The application `tables`."""
-    app = App(name="tables", help="Make the thesis's tables of puzzles on your own pictures.")
+def build_tables(voted: VoteReader = no_votes) -> App:
+    """The application `tables`; `voted` reads studies, which the engine alone does not know."""
+    app = App(name="tables", help="Make the thesis's tables on your own shapes and pictures.")
+    mount_shape_tables(app, voted)
     app.command(table_4_1, name="4.1")
     app.command(table_5_2, name="5.2")
     return app

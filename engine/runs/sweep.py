@@ -10,7 +10,7 @@ import multiprocessing
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from itertools import pairwise
@@ -104,7 +104,7 @@ def _counted(total: int, ends: list[float], progress: Progress) -> Progress:
     return tell
 
 
-def _here(tasks: Sequence[Asked], work: Work, jobs: int, progress: Progress) -> Iterator[tuple[Asked, list[Result]]]:
+def _here(tasks: Sequence[Asked], work: Work, jobs: int, progress: Progress) -> Generator[tuple[Asked, list[Result]], None, None]:
     """One after the other in this process."""
     from threadpoolctl import threadpool_limits
 
@@ -116,7 +116,7 @@ def _here(tasks: Sequence[Asked], work: Work, jobs: int, progress: Progress) -> 
 
 def _in_processes(
     tasks: Sequence[Asked], work: Work, jobs: int, progress: Progress
-) -> Iterator[tuple[Asked, list[Result]]]:
+) -> Generator[tuple[Asked, list[Result]], None, None]:
     """In `jobs` fresh processes, as they end; all of them are stopped when the caller stops."""
     before = set(multiprocessing.active_children())
     with _one_thread_each():

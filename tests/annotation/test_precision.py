@@ -8,9 +8,10 @@ from judging_world import CANDLE, LAMP, ONE_TO_ONE, VASE, identity, result, stud
 
 from annotation import study
 from annotation.matchesfile import run_of_json
-from annotation.precision import ALL_SETS, ballots, precision_table, thesis_average
+from annotation.precision import ALL_SETS, ballots, precision_table
 from annotation.tabletext import agreement_line, render
 from engine.errors import BadParameter
+from engine.evaluation.averages import thesis_average
 from engine.evaluation.intervals import clustered_interval
 from engine.matchfile import result_to_json
 

@@ -38,8 +38,9 @@ def adaptive_rounds(
     """Accept the surest candidate, make it certain, forget what speaks against it, and look again; one-to-many.
 
     A candidate (i, j) is accepted if i or j has no match yet. Then all affinity between the candidates of i and those
-    of j is forgotten, and the accepted support themselves and each other by 1. Ends when nothing is free, or no
-    candidate has affinity. Last, matches whose ends both have others are taken back, the latest first.
+    of j is forgotten, and the accepted support themselves and each other by 1. Where nothing that is left has to do with
+    the accepted, it is looked at by itself. Ends when nothing is free, or no candidate has affinity. Last, matches whose
+    ends both have others are taken back, the latest first.
 
     Parameters
     ----------
@@ -74,18 +75,26 @@ def adaptive_rounds(
         if not left.any():
             break
         x = principal(affinity, x)
-        best = int(np.argmax(np.where(left, x, -1.0)))
-        if x[best] <= 0:
+        apart = not x[left].any()  # nothing that is left has to do with what is certain
+        best = int(np.argmax(np.where(left, principal(affinity * np.outer(left, left)) if apart else x, -1.0)))
+        if apart and not affinity[best].any():
             break
         accept(best)
     return _without_many_to_many(pairs, np.array(accepted, dtype=np.int64), len(fixed))
 
 
 def _without_many_to_many(pairs: np.ndarray, accepted: np.ndarray, sure: int) -> np.ndarray:
-    """The accepted rows without those whose ends both have other matches; the first `sure` always stay."""
-    kept = list(accepted)
-    for row in accepted[sure:][::-1]:
-        same = pairs[kept] == pairs[row]
-        if (same.sum(axis=0) > 1).all():
+    """The accepted rows without those whose ends both have other matches; the first `sure` always stay.
+
+    Where one of those is many-to-many, the latest of the others at its ends go.
+    """
+    kept = accepted.tolist()
+
+    def many(row: int) -> bool:
+        return bool(((pairs[kept] == pairs[row]).sum(axis=0) > 1).all())
+
+    for row in accepted[sure:][::-1].tolist():
+        beside = [other for other in kept[:sure] if (pairs[other] == pairs[row]).any()]
+        if any(map(many, [row, *beside])):
             kept.remove(row)
     return np.array(kept, dtype=np.int64)

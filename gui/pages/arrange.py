@@ -110,14 +110,24 @@ def share_text(value: float) -> str:
     return f"{value:.2f}".removeprefix("0") if 0 <= value < 0.995 else f"{value:.2f}"
 
 
+_PI = "of the best match's confidence π"
+_SCORES = {
+    "thesis": _PI,
+    "bottom": _PI,
+    "diffusion": _PI,
+    "hungarian": "what is left of the largest distance allowed",
+    "spectral": "of the greatest entry in the principal eigenvector",
+    "shed": "mean affinity with the others",
+}
+
+
 def reasons(match: Match, result: MatchResult) -> list[tuple[str, str]]:
     """Why a match was kept, as (heading, text) rows."""
     p = result.parameters
-    thesis = p.method == "thesis"
     similarity = share_text(match.similarity)
-    if thesis:
+    meaning = _SCORES.get(p.method, "mean agreement with the others")
+    if meaning == _PI:
         similarity += f"  (at least {share_text(p.lfd_threshold)} is asked)"
-    meaning = "of the best match's confidence π" if thesis else "mean agreement with the others"
     score = f"{share_text(match.score)}  {meaning}"
     votes = f"{match.votes}  " + ("match contains it on both sides" if match.votes == 1 else "matches contain it on both sides")
     return [

@@ -1,11 +1,12 @@
 """`concord`: the window, and beside it the commands of the engine and of studies, which need neither Qt nor VTK."""
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 if TYPE_CHECKING:
+    from engine.shapes.collection_result import CollectionResult
     from engine.shapes.result import MatchResult
     from engine.shapes.segmentation import SegmentedShape
 
@@ -27,12 +28,30 @@ def report_pictures(
     source: "SegmentedShape", target: "SegmentedShape", result: "MatchResult", states: Mapping[str, str] | None = None
 ) -> list[tuple[str, bytes]]:
     """Pictures for a report where this computer can draw them; none, and a note, where it cannot."""
+    def draw() -> list[tuple[str, bytes]]:
+        from .views.pictures import report_pictures as drawn
+
+        return drawn(source, target, result, states)
+
+    return _where_possible(draw)
+
+
+def collection_pictures(found: "CollectionResult") -> list[tuple[str, bytes]]:
+    """The same for a collection: all its shapes in the colours of their parts."""
+
+    def draw() -> list[tuple[str, bytes]]:
+        from .views.collection_pictures import collection_pictures as drawn
+
+        return drawn(found)
+
+    return _where_possible(draw)
+
+
+def _where_possible(draw: Callable[[], list[tuple[str, bytes]]]) -> list[tuple[str, bytes]]:
     from engine.errors import ConcordError
 
     try:
-        from .views.pictures import report_pictures as draw
-
-        return draw(source, target, result, states)
+        return draw()
     except (ImportError, ConcordError) as error:
         reason = str(error) if isinstance(error, ConcordError) else "the extra 'gui' is not installed."
         print(f"note: the report has no pictures: {reason}")
@@ -59,10 +78,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     from cyclopts import Parameter
 
     from annotation.__main__ import app as study
+    from annotation.thesistables import voted_precision
     from engine.__main__ import SourceLabels, TargetLabels, build_app
     from engine.cli import run
 
-    app = build_app(report_pictures)
+    app = build_app(report_pictures, collection_pictures, voted_precision)
     app.command(study, name="study")
 
     @app.command(name="open")

@@ -151,6 +151,32 @@ class Pane:
         self.window.GetZbufferData(0, 0, size[0] - 1, size[1] - 1, depth)
         self._depth = vtk_to_numpy(depth).reshape(size[1], size[0])[::-1]
 
+    def segment_map(self, width: int, height: int) -> np.ndarray:
+        """Which segment each pixel shows, (height, width) int32, -1 beside the shape; the next picture is drawn anew."""
+        assert self.scene is not None
+        code = np.arange(1, self.scene.count + 1)
+        np.take(np.stack([code >> 16, code >> 8 & 255, code & 255], axis=1).astype(np.uint8), self.scene.labels, axis=0,
+                out=vtk_to_numpy(self._rgb))  # fmt: skip
+        self._rgb.Modified()
+        ground, alpha = self.renderer.GetBackground(), self.renderer.GetBackgroundAlpha()
+        self._flat(True)
+        self.renderer.SetBackground(0.0, 0.0, 0.0)
+        self.renderer.SetBackgroundAlpha(1.0)
+        self._render((max(1, width), max(1, height)), 1.0, moving=True)
+        self._flat(False)
+        self.renderer.SetBackground(*ground)
+        self.renderer.SetBackgroundAlpha(alpha)
+        colours, self._colours, self._dirty = self._colours, None, True
+        pixels = np.frombuffer(self._image.constBits(), np.uint8).reshape(height, width, 4).astype(np.int32)  # type: ignore
+        if colours is not None:
+            self.set_colours(colours)
+        return (pixels[..., 0] << 16) + (pixels[..., 1] << 8) + pixels[..., 2] - 1
+
+    def _flat(self, on: bool) -> None:
+        """Plain colours without light or borders, or the usual look."""
+        self._actor.GetProperty().SetLighting(not on)
+        self._border.SetVisibility(not on)
+
     def project(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Where points (q, 3) lie in the picture: (q, 2) device pixels, and (q,) window depth in [0, 1]."""
         flat = np.c_[points, np.ones(len(points))] @ self._matrix().T

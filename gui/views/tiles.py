@@ -1,0 +1,94 @@
+"""Pictures of many shapes as tiles: drawn once, then coloured, lit up and picked as often as wanted without drawing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from PySide6.QtGui import QImage
+
+from ..palette import Theme, rgb, segment_colours
+from .cameras import direction, fitting_distance, look_from
+from .pane import Pane
+from .scene import Scene
+
+FINE = 2  # pixels of a tile for each of the picture, along either side
+_WHITE = 214
+_HEIGHT, _TURN = 20.0, 30.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tile:
+    """How light each pixel of a shape is, (h, w) float32 with 1 for its own colour, and its segment, int32 or -1."""
+
+    light: np.ndarray
+    segments: np.ndarray
+
+
+class TileMaker:
+    """Draws the tiles of shapes, one after the other, with one off-screen window. `close` it before its owner goes."""
+
+    def __init__(self, theme: Theme) -> None:
+        self._pane = Pane(theme)
+
+    def tile(self, scene: Scene, size: int, turn: float = 0.0) -> Tile:
+        """A square tile of `size` pixels, `turn` degrees around the upright axis from the usual view."""
+        pane, side = self._pane, FINE * size
+        pane.set_scene(scene)
+        pane.set_colours(np.full((scene.count, 3), _WHITE, np.uint8))
+        towards = direction(_HEIGHT, _TURN + turn)
+        pane.camera = look_from(towards, fitting_distance(scene, towards, 1.0))
+        image = pane.image(side, side, moving=True)
+        seen = np.frombuffer(image.constBits(), np.uint8).reshape(side, side, 4)[..., 0]
+        return Tile(seen.astype(np.float32) / _WHITE, pane.segment_map(side, side))
+
+    def close(self) -> None:
+        """Give the window back."""
+        self._pane.close()
+
+
+def part_colours(parts: np.ndarray, theme: Theme, lit: int = -1) -> np.ndarray:
+    """Colours (s, 3) uint8 of segments by their part; no part is faded, and all others but `lit` where one is lit."""
+    table = segment_colours(int(parts.max(initial=-1)) + 1)
+    out = np.broadcast_to(rgb(theme.faded), (len(parts), 3)).copy()
+    chosen = (parts == lit) if lit >= 0 else parts >= 0
+    out[chosen] = table[parts[chosen]]
+    return out
+
+
+def groups(parts: np.ndarray) -> np.ndarray:
+    """Number (s,) of what each segment is drawn in one piece with: its part, or only itself where it has none."""
+    own = -2 - np.arange(len(parts))
+    return np.where(parts >= 0, parts, own)
+
+
+def coloured(tile: Tile, colours: np.ndarray, group: np.ndarray, theme: Theme) -> QImage:
+    """The tile in the colours (s, 3) of its segments, with lines between pixels of different groups (s,)."""
+    ground = rgb(theme.paper).astype(np.float32)
+    table = np.concatenate([colours.astype(np.float32), ground[None]])  # row -1 is the ground
+    light = np.where(tile.segments >= 0, tile.light, 1.0)
+    pixels = table[tile.segments] * light[..., None]
+    pixels[_lines(np.append(group, np.iinfo(np.int64).min)[tile.segments])] *= 0.35 if theme.dark else 0.45
+    h, w = tile.segments.shape
+    small = np.clip(pixels, 0, 255).reshape(h // FINE, FINE, w // FINE, FINE, 3).mean(axis=(1, 3)).astype(np.uint8)
+    return QImage(np.ascontiguousarray(small).data, w // FINE, h // FINE, 3 * (w // FINE), QImage.Format.Format_RGB888).copy()
+
+
+def segment_at(tile: Tile, x: float, y: float) -> int:
+    """The segment at a place in shares of the tile's sides, or -1 for none."""
+    h, w = tile.segments.shape
+    column, row = int(x * w), int(y * h)
+    return int(tile.segments[row, column]) if 0 <= row < h and 0 <= column < w else -1
+
+
+def _lines(group: np.ndarray) -> np.ndarray:
+    """Pixels (h, w) bool where the surface passes from one group to another; the outline of the shape is none."""
+    ground = np.iinfo(np.int64).min
+    out = np.zeros(group.shape, bool)
+    for axis in (0, 1):
+        a, b = np.moveaxis(group, axis, 0)[:-1], np.moveaxis(group, axis, 0)[1:]
+        differ = (a != b) & (a != ground) & (b != ground)
+        view = np.moveaxis(out, axis, 0)
+        view[:-1] |= differ
+        view[1:] |= differ
+    return out

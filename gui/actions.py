@@ -27,14 +27,18 @@ class Action(NamedTuple):
     pages: tuple[str, ...] = ()
 
 
-PUZZLE, OTHERS = ("puzzle",), ("shapes", "study", "results")
+PUZZLE, OTHERS, COLLECTION = ("puzzle",), ("shapes", "study", "results"), ("collection",)
 MENUS = ("&File", "&Edit", "&View", "&Judge", "&Puzzle", "&Study", "&Help")
-SEPARATOR_BEFORE = {"open-picture", "export-figure", "export-picture", "quit", "next-match", "next-layer", "link-cameras", "dark",
-                    "undo-vote", "next-join", "truth"}  # fmt: skip
+SEPARATOR_BEFORE = {"open-folder", "open-picture", "export-figure", "export-picture", "quit", "next-match", "next-layer",
+                    "link-cameras", "dark", "undo-vote", "next-join", "truth"}  # fmt: skip
 TABLE = (
     Action("open", "&File", "&Open two meshes…", ("Ctrl+O",), "mdi6.folder-open-outline", lambda w: w.files.open()),
     Action("source-labels", "&File", "&Labels of the source…", (), "", lambda w: w.files.labels(0)),
     Action("target-labels", "&File", "Labels of the &target…", (), "", lambda w: w.files.labels(1)),
+    Action("open-folder", "&File", "Open a &folder of shapes as a collection…", ("Ctrl+K",), "mdi6.folder-multiple-outline",
+           lambda w: w.collection.open_folder()),
+    Action("open-meshes", "&File", "Open &several meshes as a collection…", ("Ctrl+Shift+K",), "",
+           lambda w: w.collection.open_meshes()),
     Action("open-picture", "&File", "Open a picture as a &puzzle…", ("Ctrl+P",), "mdi6.image-plus-outline",
            lambda w: w.puzzle.files.open_picture()),
     Action("open-pieces", "&File", "Open a folder of p&ieces…", ("Ctrl+Shift+P",), "mdi6.folder-image",
@@ -43,6 +47,8 @@ TABLE = (
            lambda w: w.files.export_figure(), pages=OTHERS),
     Action("export-result", "&File", "Export &matches…", ("Ctrl+Shift+E",), "mdi6.export",
            lambda w: w.files.export_result(), pages=OTHERS),
+    Action("export-collection", "&File", "Export the &collection…", ("Ctrl+Shift+E",), "mdi6.export",
+           lambda w: w.collection.export(), pages=COLLECTION),
     Action("export-picture", "&File", "Export the assembled pi&cture…", ("Ctrl+E",), "mdi6.image-outline",
            lambda w: w.puzzle.files.export_picture(), pages=PUZZLE),
     Action("export-solution", "&File", "Export positions and &joins…", ("Ctrl+Shift+E",), "mdi6.export",
@@ -51,13 +57,18 @@ TABLE = (
     Action("undo", "&Edit", "&Undo", ("Ctrl+Z",), "mdi6.undo", lambda w: w.undo()),
     Action("redo", "&Edit", "&Redo", ("Ctrl+Shift+Z", "Ctrl+Y"), "mdi6.redo", lambda w: w.undo(1)),
     Action("match-again", "&Edit", "&Match again", ("F5",), "", lambda w: w.match_again(), pages=OTHERS),
+    Action("match-collection", "&Edit", "Match the collection &again", ("F5",), "", lambda w: w.collection.again(),
+           pages=COLLECTION),
     Action("stop", "&Edit", "&Stop the running work", ("Esc",), "mdi6.stop", lambda w: w.stop()),
     Action("page-shapes", "&View", "&Shapes", ("Ctrl+1",), "mdi6.vector-link", lambda w: w.show_page("shapes")),
-    Action("page-puzzle", "&View", "&Puzzle", ("Ctrl+2",), "mdi6.puzzle-outline", lambda w: w.show_page("puzzle")),
-    Action("page-study", "&View", "S&tudy (voting screen)", ("Ctrl+3",), "mdi6.vote-outline", lambda w: w.show_page("study")),
-    Action("page-results", "&View", "&Results", ("Ctrl+4",), "mdi6.table", lambda w: w.show_page("results")),
+    Action("page-collection", "&View", "&Collection", ("Ctrl+2",), "mdi6.view-grid-outline", lambda w: w.show_page("collection")),
+    Action("page-puzzle", "&View", "&Puzzle", ("Ctrl+3",), "mdi6.puzzle-outline", lambda w: w.show_page("puzzle")),
+    Action("page-study", "&View", "S&tudy (voting screen)", ("Ctrl+4",), "mdi6.vote-outline", lambda w: w.show_page("study")),
+    Action("page-results", "&View", "&Results", ("Ctrl+5",), "mdi6.table", lambda w: w.show_page("results")),
     Action("next-match", "&View", "&Next match", ("N",), "", lambda w: w.step_match(1), pages=OTHERS),
     Action("previous-match", "&View", "&Previous match", ("P",), "", lambda w: w.step_match(-1), pages=OTHERS),
+    Action("next-part", "&View", "&Next part", ("N",), "", lambda w: w.collection.step_part(1), pages=COLLECTION),
+    Action("previous-part", "&View", "&Previous part", ("P",), "", lambda w: w.collection.step_part(-1), pages=COLLECTION),
     Action("next-layer", "&View", "Layer &above", ("PgUp",), "", lambda w: w.shapes.step_layer(1), pages=OTHERS),
     Action("previous-layer", "&View", "Layer &below", ("PgDown",), "", lambda w: w.shapes.step_layer(-1), pages=OTHERS),
     Action("next-node", "&View", "Next node of the layer", ("]",), "", lambda w: w.shapes.step_node(1), pages=OTHERS),
@@ -100,6 +111,8 @@ TABLE = (
 MOUSE = {
     "shapes": (("Drag", "turn a shape"), ("Shift or right drag", "move it"), ("Wheel, two fingers", "zoom"),
                ("Double click", "usual view"), ("Click", "select a match or a segment's smallest match")),
+    "collection": (("Drag", "turn all shapes"), ("Click a part", "light it up in all shapes"),
+                   ("Click two names", "see the matches of these two shapes")),
     "puzzle": (("Drag a piece", "put it elsewhere; it snaps to its neighbours and stays"),
                ("Drag the ground, or with the right button", "move the view"), ("Wheel", "zoom"),
                ("Click between two pieces", "see their join from close by"),
@@ -178,7 +191,7 @@ def keys_table(page: str = "") -> str:
         for row in here:
             text = row.text.replace("&", "").rstrip("…")
             rows.append(f"<tr><td style='padding-right:24px'>{text}</td><td>{' or '.join(row.keys)}</td></tr>")
-    mouse = MOUSE["puzzle" if page == "puzzle" else "shapes"] if page else MOUSE["shapes"] + MOUSE["puzzle"]
+    mouse = MOUSE.get(page, MOUSE["shapes"]) if page else sum(MOUSE.values(), ())
     rows.append("<tr><td colspan=2 style='padding-top:8px'><b>Mouse</b></td></tr>")
     rows += [f"<tr><td style='padding-right:24px'>{what[0].upper()}{what[1:]}</td><td>{how}</td></tr>" for how, what in mouse]
     return "<table>" + "".join(rows) + "</table>"

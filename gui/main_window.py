@@ -82,6 +82,7 @@ class MainWindow(QMainWindow):
 
     def furnish(self) -> None:
         """Make session, pages and menus; the modules that this imports should be loaded already."""
+        from .pages.collection_desk import CollectionDesk
         from .pages.files import Files
         from .pages.judging import Judging
         from .pages.matching import Matching
@@ -99,7 +100,9 @@ class MainWindow(QMainWindow):
         self.study = StudyPage(self.session, self.judging, self)
         self.results = ResultsPage(self.session, self.judging, self)
         self.puzzle = PuzzleDesk(self)
-        self.pages = {"shapes": self.shapes, "puzzle": self.puzzle.page, "study": self.study, "results": self.results}
+        self.collection = CollectionDesk(self)
+        self.pages = {"shapes": self.shapes, "collection": self.collection.page, "puzzle": self.puzzle.page,
+                      "study": self.study, "results": self.results}  # fmt: skip
         self.files = Files(self)
         self.study.who.clicked.connect(self.files.name_volunteer)
         for page in self.pages.values():
@@ -161,16 +164,25 @@ class MainWindow(QMainWindow):
         if not self.furnished:
             return
         page = self.pages[name]
+        if name == "collection":
+            page.begin()
         self.stack.setCurrentWidget(page)
         self.rail.check(name)
         actions.enable_for(self.actions_by_id, name)
         self.show_history()
         self.status.preset.setVisible(name != "puzzle")
-        self.puzzle.show_status() if name == "puzzle" else self._show_status(self.session.state)
+        desks = {"puzzle": self.puzzle, "collection": self.collection}
+        desks[name].show_status() if name in desks else self._show_status(self.session.state)
         self.status.setVisible(name != "study" and self.rail.isVisibleTo(self))  # a volunteer sees no results
         if hasattr(page, "begin"):
             page.begin()
-        (page.view if hasattr(page, "view") else page).setFocus()
+        self.view_of(name).setFocus()
+
+    def view_of(self, name: str) -> QWidget:
+        """The view of a page, or the page itself where it has none."""
+        page = self.pages[name]
+        page = getattr(page, "made", None) or page
+        return getattr(page, "view", page)
 
     def answer(self, answer: str) -> None:
         """An answer by its key, to whichever page asks; Space still presses the button that has the focus."""
@@ -204,7 +216,7 @@ class MainWindow(QMainWindow):
         if self.page == "study":
             self.study.ask_comment()
         else:
-            self.say("Comments go with the answers of the voting page; open it with Ctrl+3.")
+            self.say("Comments go with the answers of the voting page; open it with Ctrl+4.")
 
     def step_match(self, by: int) -> None:
         """Go to the next or previous match; on the voting page, leave the question for the end."""
@@ -219,8 +231,9 @@ class MainWindow(QMainWindow):
 
     def reset_view(self) -> None:
         """Show the shapes from the usual side."""
-        if hasattr(self.pages[self.page], "view"):
-            self.pages[self.page].view.reset_view()
+        view = self.view_of(self.page)
+        if hasattr(view, "reset_view"):
+            view.reset_view()
 
     def turn(self) -> None:
         """Turn the shapes slowly, or stop that."""
@@ -243,8 +256,8 @@ class MainWindow(QMainWindow):
         self.matching.again()
 
     def toggle_panel(self) -> None:
-        """Show or hide the right panel of the shapes or the puzzle page."""
-        panel = (self.puzzle.page if self.page == "puzzle" else self.shapes).panel
+        """Show or hide the right panel of the shapes, the collection or the puzzle page."""
+        panel = {"puzzle": self.puzzle.page, "collection": self.collection.page.made}.get(self.page, self.shapes).panel
         panel.setVisible(panel.isHidden())
 
     def toggle_alone(self) -> None:
@@ -308,7 +321,7 @@ class MainWindow(QMainWindow):
     @property
     def history(self) -> "Session":
         """The session whose steps are undone on the page that is shown."""
-        return self.puzzle.session if self.page == "puzzle" else self.session
+        return {"puzzle": self.puzzle.session, "collection": self.collection.session}.get(self.page, self.session)
 
     def show_history(self) -> None:
         """Enable undo and redo where the page has steps."""
@@ -319,7 +332,7 @@ class MainWindow(QMainWindow):
         self.status.seconds.setText(seconds_text(seconds))
 
     def _show_status(self, state: "State") -> None:
-        if self.page == "puzzle":
+        if self.page in ("puzzle", "collection"):
             return
         if state.result is None:
             waiting = "Matching …" if self.jobs.busy() else "Not matched; choose Edit > Match again, or other files."

@@ -22,7 +22,8 @@ class State:
     than `parameters` for the moment that a job takes, and `main` are the ids of its matches that say something new and
     can be drawn together. `answers` are the volunteer's own current votes and `verdicts`
     the majorities, both by match id, as they stand in the study file. `layer` 0 shows the matches, 1..L a layer of
-    the multi-layer graph, `node` one node of it (-1: all).
+    the multi-layer graph, `node` one node of it (-1: all). `support` holds by match id what the other shapes of a
+    collection say of it, as far as that is known; matches with less than `least_support` are hidden.
     """
 
     UNDOABLE: ClassVar[tuple[str, ...]] = (
@@ -40,6 +41,8 @@ class State:
     selected: str = ""
     shown: str = "main"
     order: str = "score"
+    support: Mapping[str, float] = field(default_factory=dict)
+    least_support: float = 0.0
     layer: int = 0
     node: int = -1
     linked: bool = True

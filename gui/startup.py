@@ -16,7 +16,7 @@ from .main_window import MainWindow
 Labels = tuple[str | None, str | None]
 HEAVY = (
     "gui.session", "gui.pages.shapes", "gui.views.pair", "gui.pages.study", "gui.pages.results", "gui.pages.puzzle_desk",
-    "qtawesome", "assets", "engine.shapes.meshfile", "engine.shapes.matching",
+    "gui.pages.collection_desk", "qtawesome", "assets", "engine.shapes.meshfile", "engine.shapes.matching",
 )  # fmt: skip
 
 

@@ -51,6 +51,11 @@ class Files(QObject):
         self.chosen: tuple[str | None, str | None] = (None, None)
         self._folder = str(settings().value("folder", str(Path.home())))
 
+    @property
+    def folder(self) -> str:
+        """Where dialogs begin: the folder of what was opened last."""
+        return self._folder
+
     def open(self) -> None:
         """Ask for two meshes, together or one after the other, with label files if they are not found by name."""
         paths, _ = QFileDialog.getOpenFileNames(self.window, "Open two meshes (or the source first)", self._folder, MESHES)
@@ -62,6 +67,8 @@ class Files(QObject):
         if len(meshes) == 2:
             first, second = labels_for(meshes, labels)
             self.pair(*meshes, (first, second))
+        elif len(meshes) > 2:
+            self.window.collection.open(paths)
         elif paths:
             self.window.say(f"Choose two meshes, together or one after the other; {len(meshes)} were chosen.")
 
@@ -93,7 +100,11 @@ class Files(QObject):
         self.window.matching.open_pair(str(Path(source).absolute()), str(Path(target).absolute()), labels)
 
     def drop(self, paths: list[str]) -> None:
-        """Open what was dropped: two meshes at once or one after the other, with their labels, a study, or a puzzle."""
+        """Open what was dropped: two meshes at once or one after the other, with their labels, a study, a collection, or a
+        puzzle."""
+        if self.window.collection.takes(paths):
+            self.window.collection.open(paths)
+            return
         if self.window.puzzle.takes(paths):
             self.window.puzzle.drop(paths)
             return
@@ -108,8 +119,6 @@ class Files(QObject):
         elif len(meshes) == 2:
             first, second = labels_for(meshes, labels)
             self.pair(*meshes, (first, second))
-        elif len(meshes) > 2:
-            self.window.say(f"{len(meshes)} meshes were dropped; drop two, the source first.")
         elif labels and not studies:
             self.window.say("A label file alone says nothing; drop it together with its mesh.")
 

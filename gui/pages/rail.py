@@ -4,7 +4,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QButtonGroup, QToolButton, QVBoxLayout, QWidget
 
-PAGES = (("shapes", "Shapes"), ("puzzle", "Puzzle"), ("study", "Study"), ("results", "Results"))
+PAGES = (("shapes", "Shapes"), ("collection", "Collection"), ("puzzle", "Puzzle"), ("study", "Study"), ("results", "Results"))
 
 
 class Rail(QWidget):

@@ -35,6 +35,7 @@ vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
 
 _HIDDEN_BY = 0.02
 _SAMPLES_STILL = 4
+_AMBIENT, _DIFFUSE = 0.38, 0.74
 
 
 class Pane:
@@ -174,7 +175,10 @@ class Pane:
 
     def _flat(self, on: bool) -> None:
         """Plain colours without light or borders, or the usual look."""
-        self._actor.GetProperty().SetLighting(not on)
+        look = self._actor.GetProperty()
+        look.SetLighting(not on)
+        look.SetAmbient(1.0 if on else _AMBIENT)
+        look.SetDiffuse(0.0 if on else _DIFFUSE)
         self._border.SetVisibility(not on)
 
     def project(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -292,8 +296,8 @@ def _actor(data: vtkPolyData) -> vtkActor:
     mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-2.0, -4.0)
     actor.SetMapper(mapper)
     look = actor.GetProperty()
-    look.SetAmbient(0.38)
-    look.SetDiffuse(0.74)
+    look.SetAmbient(_AMBIENT)
+    look.SetDiffuse(_DIFFUSE)
     look.SetSpecular(0.06)
     look.SetSpecularPower(20)
     return actor

@@ -133,8 +133,8 @@ def completed(folder: Path, meshes: Sequence[Path], layout: Layout) -> Layout:
         layout = layout._replace(source_labels=".seg", target_labels=".seg")
     kinds = [] if layout.source_labels or layout.cut else sorted({end[1:-4] for end in _ends(meshes[0]) if end[1:].endswith(".seg")})
     if kinds:
-        raise BadInput(f"The meshes of {folder} have segmentations by several hands; choose two of {', '.join(kinds)} with "
-                       f"--case, as in --case {kinds[0]}-{kinds[-1]}.")  # fmt: skip
+        raise BadInput(f"The segmentations in {folder} have names: {', '.join(kinds)}; choose one for either side with --case, "
+                       f"as in --case {kinds[0]}-{kinds[-1]}.")  # fmt: skip
     for mesh in meshes:
         for end, what in ((layout.truth, "truth"), (layout.source_labels, "segment"), (layout.target_labels, "segment")):
             if end and not _beside(mesh, end).is_file():

@@ -13,6 +13,7 @@ from .collection_commands import mount_collection
 from .parameters import Parameters, assignments, declared, read_values
 from .puzzle_commands import mount
 from .puzzles.parameters import PuzzleParameters
+from .retrieval_commands import mount_descriptors
 from .shape_table_commands import VoteReader, no_votes
 from .shapes.collection_parameters import CollectionParameters
 from .shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters, method_preset, preset
@@ -53,6 +54,7 @@ def build_app(
     mount(app)
     app.command(build_tables(voted))
     evaluate_commands.mount(app, draw)
+    mount_descriptors(app)
     mount_collection(app, draw_collection)
 
     @app.command

@@ -133,10 +133,12 @@ def _peaks(values, order, neighbours, inside, peaks):  # type: ignore[no-untyped
     out = np.zeros((len(inside), times * 2 * peaks), dtype=np.float32)
     for node in prange(len(inside)):
         root = np.empty(count, dtype=np.int64)
-        birth, persistence = np.empty(count), np.empty(count)
+        birth, persistence = np.empty(peaks), np.empty(peaks)
         for t in range(times):
             root[:] = -1
-            found, lowest = 0, 0.0
+            persistence[:] = 0.0
+            birth[:] = 0.0
+            lowest = 0.0
             for p in order[t]:
                 if not inside[node, p]:
                     continue
@@ -152,18 +154,26 @@ def _peaks(values, order, neighbours, inside, peaks):  # type: ignore[no-untyped
                     if q == top:
                         continue
                     high, low = (q, top) if values[t, q] >= values[t, top] else (top, q)
-                    if values[t, low] > lowest:
-                        birth[found], persistence[found] = values[t, low], values[t, low] - lowest
-                        found += 1
+                    _insert(birth, persistence, values[t, low], values[t, low] - lowest)
                     root[low] = high
                     top = high
             for p in order[t]:
                 if inside[node, p] and root[p] == p:
-                    birth[found], persistence[found] = values[t, p], values[t, p] - lowest
-                    found += 1
-            best = np.argsort(-persistence[:found], kind="mergesort")
+                    _insert(birth, persistence, values[t, p], values[t, p] - lowest)
             for k in range(peaks):
                 at = t * 2 * peaks + k
-                out[node, at] = birth[best[min(k, found - 1)]] if k < found else birth[best[0]]
-                out[node, at + peaks] = persistence[best[k]] if k < found else 0.0
+                out[node, at] = birth[k] if persistence[k] > 0 else birth[0]
+                out[node, at + peaks] = persistence[k]
     return out
+
+
+@njit(cache=True, nogil=True)
+def _insert(birth, persistence, born, lasts):  # type: ignore[no-untyped-def]
+    """Put a peak into the list of the most persistent ones, in order."""
+    k = len(birth) - 1
+    if lasts <= persistence[k]:
+        return
+    while k > 0 and persistence[k - 1] < lasts:
+        birth[k], persistence[k] = birth[k - 1], persistence[k - 1]
+        k -= 1
+    birth[k], persistence[k] = born, lasts

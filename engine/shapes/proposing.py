@@ -103,15 +103,22 @@ def propose(
         pairs = _pool(source, target, parameters.pool)
     progress(0.2, "light field distances")
     with watch("distances"):
-        if parameters.lfd == SIGNATURE:
-            lfd = _light_field(source, target, pairs, SIGNATURE)
-        else:
-            lfd = _distances(source, target, pairs, progress, cache)
+        lfd = _distances(source, target, pairs, parameters.lfd, progress, cache)
     packed = pack(source.measures), pack(target.measures)
     found = _measured(source, target, pairs, lfd, packed, watch.seconds, parameters.lfd)
     with watch("further descriptors"):
         widened(found, parameters)
     return found
+
+
+def every_pair(
+    source: DescribedShape, target: DescribedShape, kind: str, *, cache: Cache | None = None
+) -> Proposals:
+    """All pairs of nodes but the whole shapes, row by row, with light field distances of the kind."""
+    n, m = (len(shape.layers.members) - 1 for shape in (source, target))
+    pairs = np.indices((n, m)).reshape(2, -1).T
+    lfd = _distances(source, target, pairs, kind, silent, cache)
+    return _measured(source, target, pairs, lfd, (pack(source.measures), pack(target.measures)), {}, kind)
 
 
 def widened(proposals: Proposals, p: MatchParameters) -> Proposals:
@@ -227,8 +234,10 @@ def _light_field(source: DescribedShape, target: DescribedShape, pairs: np.ndarr
 
 
 def _distances(
-    source: DescribedShape, target: DescribedShape, pairs: np.ndarray, progress: Progress, cache: Cache | None
+    source: DescribedShape, target: DescribedShape, pairs: np.ndarray, kind: str, progress: Progress, cache: Cache | None
 ) -> np.ndarray:
+    """Light field distances of many pairs; exact ones are slow, so the cache keeps them."""
+
     def make() -> dict[str, np.ndarray]:
         parts = np.array_split(pairs, max(1, len(pairs) // 20_000))
         found = []
@@ -237,6 +246,8 @@ def _distances(
             progress(0.2 + 0.8 * (number + 1) / len(parts), "light field distances")
         return {"distances": np.concatenate(found)}
 
+    if kind == SIGNATURE:
+        return _light_field(source, target, pairs, kind)
     if cache is None:
         return make()["distances"]
     key = cache_key("distances/1", source.descriptors, target.descriptors, pairs)

@@ -1,5 +1,6 @@
 """What the list of matches says and in which order: texts, states, filters and sorting, without any widget."""
 
+import math
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ if TYPE_CHECKING:
     from ..session import State
 
 SHOWN = {"main": "Main matches", "all": "All matches", "single": "One-to-one", "merged": "Merged"}
-ORDERS = ("state", "match", "score", "votes", "layers")
+ORDERS = ("state", "match", "score", "votes", "layers", "support")
 SYMBOLS = {"correct": "✓", "wrong": "✗", "tie": "=", "undecided": "○", "unsure": "?"}
 
 
@@ -67,11 +68,27 @@ def shows(match: Match, shown: str, main: Container[str]) -> bool:
 def listed(state: "State", order: str = "") -> list[Match]:
     """The matches that the list of a state shows, in its order (or another)."""
     chosen = [m for m in state.matches() if shows(m, state.shown, state.main)]
-    return arranged(chosen, order or state.order, state.verdicts)
+    if state.least_support > 0 and any_known((m.id for m in state.matches()), state.support):
+        chosen = [m for m in chosen if state.support.get(m.id, math.nan) >= state.least_support]
+    return arranged(chosen, order or state.order, state.verdicts, state.support)
 
 
-def arranged(matches: Iterable[Match], order: str, verdicts: Mapping[str, str]) -> list[Match]:
+def any_known(ids: Iterable[str], support: Mapping[str, float]) -> bool:
+    """Whether the support of any of these matches is known."""
+    return any(not math.isnan(support.get(match_id, math.nan)) for match_id in ids)
+
+
+def support_text(match_id: str, support: Mapping[str, float]) -> str:
+    """'.93', or a dash where nothing is known."""
+    value = support.get(match_id, math.nan)
+    return "–" if math.isnan(value) else share_text(value)
+
+
+def arranged(
+    matches: Iterable[Match], order: str, verdicts: Mapping[str, str], support: Mapping[str, float] | None = None
+) -> list[Match]:
     """The matches in an order; equal ones stay best first. A leading '-' turns the order."""
+    known = support or {}
     states = list(SYMBOLS)
     keys = {
         "state": lambda m: states.index(state_of(m.id, verdicts)),
@@ -79,6 +96,7 @@ def arranged(matches: Iterable[Match], order: str, verdicts: Mapping[str, str]) 
         "score": lambda m: -m.score,
         "votes": lambda m: -m.votes,
         "layers": lambda m: (m.source_layer + m.target_layer, m.source_layer),
+        "support": lambda m: -known[m.id] if any_known([m.id], known) else 1.0,
     }
     turned = order.startswith("-")
     return sorted(matches, key=keys.get(order.lstrip("-"), keys["score"]), reverse=turned)

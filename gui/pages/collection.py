@@ -197,6 +197,8 @@ class CollectionPage(QWidget):
         """Draw the difference between two states."""
         found = state.found
         self.stack.setCurrentIndex(0 if found is None else 1)
+        if "found" in names and (found is None or old.found is None):
+            self.panel.setVisible(found is not None)
         if "dark" in names:
             self.view.set_theme(theme(state.dark))
         if "scenes" in names and found is not None:

@@ -10,12 +10,14 @@ from engine.shapes.result import Match
 
 from ..palette import theme
 from ..session import State
-from .arrange import ORDERS, SYMBOLS, listed, match_text, share_text, short_text, state_of
+from .arrange import ORDERS, SYMBOLS, any_known, listed, match_text, share_text, short_text, state_of, support_text
 
-_HEADS = ("", "match", "score", "votes", "layers")
+_HEADS = ("", "match", "score", "votes", "layers", "support")
+_SUPPORT, _LAYERS = 5, 4
 _TIPS = ("What the majority of volunteers says", "Segments of the source → segments of the target",
          "Confidence relative to the best match", "Votes of the hierarchical voting",
-         "Layer of the source's node – layer of the target's")  # fmt: skip
+         "Layer of the source's node – layer of the target's",
+         "How far the other shapes of the collection agree")  # fmt: skip
 
 
 class MatchModel(QAbstractTableModel):
@@ -71,7 +73,8 @@ class MatchModel(QAbstractTableModel):
         if judged == "undecided" and self.state.answers.get(match.id) == "unsure":
             symbol = SYMBOLS["unsure"]
         layers = f"{match.source_layer}–{match.target_layer}"
-        return (symbol, short_text(match, self.state.result), share_text(match.score), str(match.votes), layers)[column]
+        return (symbol, short_text(match, self.state.result), share_text(match.score), str(match.votes), layers,
+                support_text(match.id, self.state.support))[column]
 
 
 def _alignment(column: int) -> Qt.AlignmentFlag:
@@ -107,7 +110,7 @@ class MatchList(QTableView):
         head.setHighlightSections(False)
         head.setSectionsClickable(True)
         head.setMinimumSectionSize(24)
-        for column, width in ((0, 26), (2, 44), (3, 42), (4, 44)):
+        for column, width in ((0, 26), (2, 44), (3, 42), (4, 44), (_SUPPORT, 56)):
             head.setSectionResizeMode(column, QHeaderView.ResizeMode.Fixed)
             self.setColumnWidth(column, width)
         head.setSectionResizeMode(1, QHeaderView.ResizeMode.Stretch)
@@ -134,6 +137,9 @@ class MatchList(QTableView):
         """Display the matches and the selection of a state without telling anybody."""
         model = self.selectionModel()
         before = model.blockSignals(True)
+        supported = any_known((m.id for m in state.matches()), state.support)
+        self.setColumnHidden(_SUPPORT, not supported)
+        self.setColumnHidden(_LAYERS, supported)  # there is room for one of the two; the reasons name the layers
         self.rows.show_state(state, structure)
         row = next((k for k, m in enumerate(self.rows.rows) if m.id == state.selected), -1)
         if row < 0:

@@ -5,7 +5,7 @@ from PySide6.QtWidgets import QFormLayout, QHBoxLayout, QLabel, QLineEdit, QPush
 
 from ..palette import Theme, theme
 from ..session import State
-from .arrange import reasons, state_of
+from .arrange import reasons, state_of, support_text
 
 ANSWER_WORDS = {"wrong": ("✗  Wrong", "F"), "unsure": ("?  Unsure", "Space"), "correct": ("✓  Correct", "J")}
 
@@ -24,7 +24,7 @@ class WhyPanel(QWidget):
         self.form.setContentsMargins(0, 0, 0, 0)
         self.form.setHorizontalSpacing(12)
         self.form.setVerticalSpacing(2)
-        for name in ("Source", "Target", "Similarity", "Score", "Votes", "Judged"):
+        for name in ("Source", "Target", "Similarity", "Score", "Votes", "Support", "Judged"):
             label, value = QLabel(name, self), QLabel("", self, wordWrap=True)
             label.setObjectName("soft")
             label.setAlignment(Qt.AlignmentFlag.AlignTop)
@@ -50,6 +50,10 @@ class WhyPanel(QWidget):
             value.setText(dict(reasons(match, state.result)).get(name, "") if match else "")
         if match is not None:
             own, all_ = state.answers.get(match.id, "not yet"), state_of(match.id, state.verdicts)
+            text = support_text(match.id, state.support)
+            self.values["Support"].setText(f"{text}  by the other shapes of the collection")
+            for part in (self.values["Support"], self.form.labelForField(self.values["Support"])):
+                part.setVisible(text != "–")
             self.values["Judged"].setText(f"by you: {own}  ·  majority: {all_}")
 
 

@@ -26,12 +26,13 @@ from ..parameter_form import ParameterForm
 from ..session import Session, State
 from ..views.mesh_pair import MeshPairView
 from ..views.scene import Link, layer_colours, layer_nodes, link_of
-from .arrange import SHOWN, listed, short_notes, short_union, smallest_with, state_of
+from .arrange import SHOWN, any_known, listed, short_notes, short_union, smallest_with, state_of
 from .judging import Judging, checked_code
 from .layers import LayerBar, Place, node_list, step_layer, step_node
 from .match_list import MatchList
 from .matching import Matching
 from .panels import JudgeStrip, WhyPanel
+from .support import LeastSupport
 
 PANEL_WIDTH, PANEL_MARGIN = 340, 8
 
@@ -51,7 +52,8 @@ def links_of(state: State) -> list[Link]:
         return []
     if state.layer:
         rows = [m for m in rows if state.layer in (m.source_layer, m.target_layer)]
-    return [link_of(m, state_of(m.id, state.verdicts)) for m in reversed(rows)]
+    known = {m.id: value for m in rows if (value := state.support.get(m.id, 1.0)) == value}  # not NaN
+    return [link_of(m, state_of(m.id, state.verdicts), known.get(m.id, 1.0)) for m in reversed(rows)]
 
 
 class ShapesPage(QWidget):
@@ -69,6 +71,7 @@ class ShapesPage(QWidget):
         self.list, self.why, self.judge = MatchList(self), WhyPanel(self), JudgeStrip(self)
         self.form = ParameterForm(MatchParameters, self)
         self.filter, self.presets = self._combo(SHOWN.values()), self._combo(PRESETS)
+        self.least = LeastSupport(self)
         self.count, self.notes = QLabel("", self), QLabel("", self)
         self.panel = self._panel()
         row = QHBoxLayout(self)
@@ -122,6 +125,7 @@ class ShapesPage(QWidget):
         column.setContentsMargins(*[PANEL_MARGIN] * 4)
         column.setSpacing(8)
         column.addLayout(head)
+        column.addWidget(self.least)
         column.addWidget(self.list, 1)
         for widget in (self.why, self.judge, self.notes):
             column.addWidget(widget)
@@ -154,6 +158,7 @@ class ShapesPage(QWidget):
         self.list.picked.connect(self._picked)
         self.list.ordered.connect(lambda order: update(order=order))
         self.filter.activated.connect(lambda row: update(shown=list(SHOWN)[row]))
+        self.least.moved.connect(lambda least: update(least_support=least))
         self.presets.textActivated.connect(self.matching.choose_preset)
         self.form.edited.connect(self._edited)
         self.linked.toggled.connect(lambda on: update(linked=on))
@@ -249,11 +254,12 @@ class ShapesPage(QWidget):
             self.view.set_linked_cameras(state.linked)
             self.linked.setChecked(state.linked)
             self.linked.setText("Cameras linked" if state.linked else "Cameras free")
-        if names & {"result", "shown", "verdicts", "layer", "node", "source", "target"}:
+        if names & {"result", "shown", "verdicts", "layer", "node", "source", "target", "support", "least_support"}:
             self.view.set_links(links_of(state))
         if shapes or names & {"layer", "node", "selected", "result", "dark", "proposals"}:
             self._show_place(state)
-        if names & {"result", "shown", "order", "selected", "verdicts", "answers", "dark", "source", "target"}:
+        if names & {"result", "shown", "order", "selected", "verdicts", "answers", "dark", "source", "target", "support",
+                    "least_support"}:  # fmt: skip
             self._show_list(state, names)
         if names & {"parameters", "preset"}:
             self._show_parameters(state)
@@ -286,12 +292,14 @@ class ShapesPage(QWidget):
         self.view.set_highlight(source, target, colour)
 
     def _show_list(self, state: State, names: frozenset[str]) -> None:
-        moved = names & {"result", "shown", "order", "source", "target"}
+        moved = names & {"result", "shown", "order", "source", "target", "support", "least_support"}
         self.list.show_state(state, bool(moved or ("verdicts" in names and state.order.endswith("state"))))
         self.why.show_state(state)
         self.judge.show_state(state)
         found, rows = len(state.matches()), len(self.list.rows.rows)
         self.count.setText(f"{rows} of {found}" if rows != found else f"{found} matches" if found != 1 else "1 match")
+        self.least.setVisible(any_known((m.id for m in state.matches()), state.support))
+        self.least.show_value(state.least_support)
         self.filter.setCurrentIndex(list(SHOWN).index(state.shown))
         self._show_notes(state.result.notes if state.result is not None else ())
 

@@ -1,31 +1,11 @@
 """The slider that hides weakly supported matches, the same on the page of a collection and on that of a pair."""
 
-import math
-from collections.abc import Iterable, Mapping
-
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QWidget
 
 from .arrange import share_text
 
 _STEPS = 20
-
-
-def kept(match_id: str, support: Mapping[str, float], least: float) -> bool:
-    """Whether a match is shown: what nothing is known of is, until a support is asked for at all."""
-    value = support.get(match_id, math.nan)
-    return least <= 0 or value >= least
-
-
-def any_known(ids: Iterable[str], support: Mapping[str, float]) -> bool:
-    """Whether a support is known of any of these matches."""
-    return any(not math.isnan(support.get(match_id, math.nan)) for match_id in ids)
-
-
-def support_text(match_id: str, support: Mapping[str, float]) -> str:
-    """'.93', or a dash where nothing is known."""
-    value = support.get(match_id, math.nan)
-    return "–" if math.isnan(value) else share_text(value)
 
 
 class LeastSupport(QWidget):

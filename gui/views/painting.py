@@ -51,7 +51,7 @@ def _strength(shape: LinkShape, selected: str | None, hovered: str | None) -> fl
         usual = _FADED / 2 if shape.folded else _FADED
     else:
         usual = 1.0 if not shape.folded else 0.6 if marked(shape.link) else 0.35
-    return usual * (0.4 if shape.hidden else 1.0)
+    return usual * (0.4 if shape.hidden else 1.0) * (0.25 + 0.75 * min(1.0, 1.6 * shape.link.support))
 
 
 def paint_link(painter: QPainter, shape: LinkShape, theme: Theme, colour: QColor, width: float, selected: bool) -> None:

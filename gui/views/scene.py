@@ -21,6 +21,7 @@ class Link:
     """A match as it is drawn: the segments that it joins on either side, and what was judged of it.
 
     `state` is one of `STATES`, `score` lies in [0, 1]; a `merged` link is drawn as a polygon, any other as a line.
+    One of little `support` is drawn fainter.
     """
 
     id: str
@@ -29,12 +30,13 @@ class Link:
     state: str = "undecided"
     score: float = 1.0
     merged: bool = False
+    support: float = 1.0
 
 
-def link_of(match: Match, state: str = "undecided") -> Link:
-    """A match as a link, judged as `state` says."""
+def link_of(match: Match, state: str = "undecided", support: float = 1.0) -> Link:
+    """A match as a link, judged as `state` says; `support` in [0, 1] is that by other shapes (1 where it is unknown)."""
     merged = len(match.source) + len(match.target) > 2
-    return Link(match.id, match.source, match.target, state, match.score, merged)
+    return Link(match.id, match.source, match.target, state, match.score, merged, support)
 
 
 def links_of(result: MatchResult, states: Mapping[str, str] | None = None) -> list[Link]:

@@ -8,8 +8,8 @@ NONE = -1
 def consistent_parts(matches: np.ndarray, objects: np.ndarray, size: np.ndarray, *, part_from: float) -> np.ndarray:
     """The part of each atom, (n,) int64: 0 is the largest in all; -1 where it is matched with nothing elsewhere.
 
-    Two atoms, of one object or of two, belong together where their ways of two steps lead to the same atoms: the
-    cosine of the rows of B², with B the matches between objects. Groups are joined by mean cosine (average linkage) down
+    Two atoms, of one object or of two, belong together where their ways of up to two steps lead to the same atoms: the
+    cosine of the rows of (I + B)², with B the matches between objects. Groups are joined by mean cosine (average linkage) down
     to `part_from`. A group within a single object is no part. As parts are groups, they agree around every cycle.
 
     Parameters
@@ -26,7 +26,8 @@ def consistent_parts(matches: np.ndarray, objects: np.ndarray, size: np.ndarray,
     known = np.flatnonzero(between.any(axis=1))
     if not len(known):
         return out
-    groups = _linked(_cosines(between @ between[:, known]), part_from)
+    step = np.eye(len(between)) + between
+    groups = _linked(_cosines(step @ step[:, known]), part_from)
     shared = [g for g in range(groups.max() + 1) if len(np.unique(objects[known[groups == g]])) > 1]
     weight = [-size[known[groups == g]].sum() for g in shared]
     for part, g in enumerate(np.array(shared, dtype=np.int64)[np.argsort(weight, kind="stable")]):

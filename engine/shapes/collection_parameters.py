@@ -23,7 +23,7 @@ class CollectionParameters(Parameters):
         1.0, "How quickly nodes that differ count less on the way around: power of their Jaccard index.",
         low=0.5, high=8.0, step=0.5, group=_SUPPORT)  # fmt: skip
     lift_sparsity: float = parameter(
-        0.5, "Cost of a match in MatchLift.", low=0.05, high=0.95, step=0.05, symbol="λ", equation="4.3",
+        0.4, "Cost of a match in MatchLift.", low=0.05, high=0.95, step=0.05, symbol="λ", equation="4.3",
         group=_SUPPORT)  # fmt: skip
     lift_tolerance: float = parameter(
         1e-3, "Relative residual at which MatchLift stops.", low=1e-6, high=0.1, group=_SUPPORT)  # fmt: skip

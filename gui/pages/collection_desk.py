@@ -234,6 +234,7 @@ class CollectionDesk(QObject):
             prepared_with=None, result=result, main=main_ids(result), selected="", layer=0, node=-1,
             support=support_by_id(found))  # fmt: skip
         self.window.show_page("shapes")
+        self.window.matching.prepare()
 
     def step_part(self, by: int) -> None:
         """Light up the next or previous part."""

@@ -103,6 +103,12 @@ class Matching(QObject):
         """Match the pair that is shown if that was stopped or failed."""
         self._changed(self.session.state, self.session.state, frozenset({"parameters"}))
 
+    def prepare(self) -> None:
+        """Make ready what the layers and live parameters need, for a result that came from elsewhere."""
+        state = self.session.state
+        if state.source is not None and state.target is not None and state.proposals is None:
+            self._start_match(state)
+
     def _changed(self, _old: State, state: State, names: frozenset[str]) -> None:
         if not names & {"source", "target", "parameters", "preset", "proposals", "result"}:
             return

@@ -11,8 +11,8 @@ from ..progress import Progress, share, silent
 from ..shapes.families import FAMILIES, POSES, VARIANTS
 from ..shapes.families.collection import check_segments
 from ..shapes.families.generated import check_choice
-from ..shapes.meshfile import MESH_SUFFIXES, load_shape
-from .pairs import FilePair, MadePair, Pair, ShapeFiles, load_labelled
+from ..shapes.meshfile import MESH_SUFFIXES, load_labellings
+from .pairs import FilePair, MadePair, Pair, ShapeFiles
 
 GENERATED = "generated"
 AUTO, ALL = "auto", "all"
@@ -85,7 +85,7 @@ def folder_collection(folder: Path, layout: Layout, *, progress: Progress = sile
     notes: list[str] = []
     pairs: list[Pair] = []
     for number, (family, meshes) in enumerate(chosen.items()):
-        usable = _Usable(family, notes, share(progress, number / len(chosen), (number + 1) / len(chosen)))
+        usable = _Usable(family, layout, notes, share(progress, number / len(chosen), (number + 1) / len(chosen)))
         most = _count(layout.pairs) if layout.pairs not in (AUTO, ALL) else MOST_PAIRS
         mine = list(islice((pair for pair in _paired(family, meshes, layout) if usable(pair)), most))
         if not mine:
@@ -185,26 +185,30 @@ def _files(mesh: Path, labels: str, layout: Layout, number: int) -> ShapeFiles:
 
 
 class _Usable:
-    """Whether both shapes of a pair have two segments; each shape is read once, and what is left out is noted."""
+    """Whether both shapes of a pair have two segments; each mesh is read once, and what is left out is noted."""
 
-    def __init__(self, family: str, notes: list[str], progress: Progress) -> None:
+    def __init__(self, family: str, layout: Layout, notes: list[str], progress: Progress) -> None:
         self.family, self.notes, self.progress = family, notes, progress
-        self.seen: dict[tuple[str, str], bool] = {}
+        self.ends = [end for end in dict.fromkeys((layout.source_labels, layout.target_labels)) if end]
+        self.segments: dict[str, int] = {}
 
     def __call__(self, pair: FilePair) -> bool:
-        first, second = self._shape(pair.source), self._shape(pair.target)
-        return first and second
+        counts = [self._segments(files) for files in (pair.source, pair.target)]
+        return min(counts) > 1
 
-    def _shape(self, files: ShapeFiles) -> bool:
-        key = files.mesh, files.labels
-        if key not in self.seen:
-            self.progress(0.0, f"reading {Path(files.mesh).name}")
-            self.seen[key] = not files.labels or load_labelled(files)[0].segmentation.count > 1
-            if not files.labels:
-                load_shape(files.mesh, files.truth)  # its random cut is made where it is matched
-            if not self.seen[key]:
-                self.notes.append(f"Left out of {self.family}: {Path(files.labels).name} has one single segment.")
-        return self.seen[key]
+    def _segments(self, files: ShapeFiles) -> int:
+        """The number of segments of a shape; 2 stands for a random cut, which is made where the shape is matched."""
+        key = files.labels or files.mesh
+        if key not in self.segments:
+            mesh = Path(files.mesh)
+            self.progress(0.0, f"reading {mesh.name}")
+            paths = [_beside(mesh, end) for end in self.ends]
+            _, (_, *cuts) = load_labellings(mesh, [files.truth, *paths])
+            self.segments[files.mesh] = 2
+            self.segments |= {str(path): cut.count for path, cut in zip(paths, cuts, strict=True)}
+            self.notes += [f"Left out of {self.family}: {path.name} has one single segment."
+                           for path, cut in zip(paths, cuts, strict=True) if cut.count < 2]  # fmt: skip
+        return self.segments[key]
 
 
 def _count(pairs: str) -> int:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..shapes.families import make_pair
-from ..shapes.meshfile import load_shape
+from ..shapes.meshfile import load_labellings
 from ..shapes.oversegmentation import oversegment
 from ..shapes.segmentation import SegmentedShape
 
@@ -69,15 +69,14 @@ def load_pair(pair: Pair) -> LabelledPair:
 
 def load_labelled(files: ShapeFiles) -> tuple[SegmentedShape, np.ndarray]:
     """A shape and the class of each of its faces, (m,) int64; labels and truth may be one a polygon or one a triangle."""
-    classes = load_shape(files.mesh, files.truth)
-    truth = np.array(classes.segmentation.names, dtype=np.int64)[classes.segmentation.labels]
-    if files.labels:
-        return load_shape(files.mesh, files.labels), truth
+    mesh, (classes, *cuts) = load_labellings(files.mesh, [files.truth, *([files.labels] if files.labels else [])])
+    truth = np.array(classes.names, dtype=np.int64)[classes.labels]
+    if cuts:
+        return SegmentedShape(mesh, cuts[0], files.mesh), truth
     low, high = files.segments
     count = int(np.random.default_rng([files.seed, 15485863]).integers(low, high + 1))
-    segmentation = oversegment(classes.mesh, truth, segments=count, seed=files.seed)
-    note = f"The segments of {classes.mesh.name} are a random cut of its truth, seed {files.seed}."
-    return SegmentedShape(classes.mesh, segmentation, files.mesh, (note,)), truth
+    note = f"The segments of {mesh.name} are a random cut of its truth, seed {files.seed}."
+    return SegmentedShape(mesh, oversegment(mesh, truth, segments=count, seed=files.seed), files.mesh, (note,)), truth
 
 
 def content(pair: Pair) -> tuple[object, ...]:

@@ -4,7 +4,7 @@ Whatever a file holds, the answer is a checked mesh or one sentence. Face order 
 hold one integer a face in that order; a face of more than three corners becomes a fan of triangles with its label.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -43,6 +43,15 @@ def load_shape(path: Path | str, labels: Path | str | None = None) -> SegmentedS
     mesh = Mesh(polygons.vertices, triangles, file.stem)
     segmentation, note = _segments(file, labels, polygons, mesh, face)
     return SegmentedShape(mesh, segmentation, str(path), (note,) if note else ())
+
+
+def load_labellings(path: Path | str, labels: Sequence[Path | str]) -> tuple[Mesh, tuple[Segmentation, ...]]:
+    """A mesh, read once, with a segmentation by each of several label files; raises as `load_shape`."""
+    file = _existing(path)
+    polygons = _read_polygons(file)
+    triangles, face = polygons.triangles()
+    found = tuple(_from_labels(file, one, face, len(polygons.sizes))[0] for one in labels)
+    return Mesh(polygons.vertices, triangles, file.stem), found
 
 
 def read_labels(path: Path | str) -> np.ndarray:

@@ -162,3 +162,15 @@ def test_what_a_pair_depends_on_changes_with_its_bytes(tmp_path):
     assert load_labelled(two)[1].max() == 9
     made = MadePair("lamps", "n", 3, "touching", (10, 16), "turned")
     assert content(made) != content(made._replace(seed=4))
+
+
+def test_the_layouts_of_real_sets(real_shapes):
+    vases = folder_collection(real_shapes / "princeton", Layout(".coarse.seg", ".fine.seg", families=("Vase",)))
+    assert (len(vases.pairs), vases.notes) == (12, ("Left out of Vase: 363.coarse.seg has one single segment.",))
+    wolves = folder_collection(real_shapes / "tosca", Layout(".over.seg", ".seg", ".symseg", pairs="20", families=("wolf",)))
+    assert [n for _, n in names(wolves)] == [f"wolf{i} wolf{j}" for i, j in ((0, 1), (1, 2), (0, 2), (1, 0), (2, 1), (2, 0))]
+    assert wolves.notes == ("The family wolf has 6 pairs only.",)
+    with pytest.raises(BadInput, match="have names: coarse, fine, median; .* --case coarse-median"):
+        folder_collection(real_shapes / "princeton", Layout())
+    with pytest.raises(BadInput, match="have no truth labels"):
+        folder_collection(real_shapes / "lamps", Layout())

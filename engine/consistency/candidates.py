@@ -1,6 +1,7 @@
 """Candidate matches between two sets of rows: which of them are proposed."""
 
 import numpy as np
+from numba import njit
 
 
 def k_best(pairs: np.ndarray, distance: np.ndarray, k: int, *, side: int) -> np.ndarray:
@@ -10,11 +11,25 @@ def k_best(pairs: np.ndarray, distance: np.ndarray, k: int, *, side: int) -> np.
     """
     if not len(pairs):
         return np.zeros(0, dtype=bool)
-    nearest = np.argsort(distance, kind="stable")
-    row = pairs[nearest, side].astype(np.uint16 if pairs[:, side].max() < 2**16 else np.int64)
-    order = nearest[np.argsort(row, kind="stable")]  # a radix sort
-    rows = pairs[order, side]
-    starts = np.searchsorted(rows, np.arange(rows[-1] + 1))[rows]
-    kept = np.zeros(len(pairs), dtype=bool)
-    kept[order] = np.arange(len(pairs)) - starts < k
+    return _nearest(np.ascontiguousarray(pairs[:, side]), np.asarray(distance, dtype=np.float64), int(k))
+
+
+@njit(cache=True, nogil=True)
+def _nearest(row, distance, k):  # type: ignore[no-untyped-def]
+    """Which entries are among the k smallest of their row, the earlier one first where equal."""
+    best, count = np.empty((row.max() + 1, k), dtype=np.int64), np.zeros(row.max() + 1, dtype=np.int64)
+    for a in range(len(row)):
+        mine, place = best[row[a]], count[row[a]]
+        if place == k and not distance[a] < distance[mine[k - 1]]:
+            continue
+        count[row[a]] = min(place + 1, k)
+        place = min(place, k - 1)
+        while place and distance[a] < distance[mine[place - 1]]:
+            mine[place] = mine[place - 1]
+            place -= 1
+        mine[place] = a
+    kept = np.zeros(len(row), dtype=np.bool_)
+    for i in range(len(count)):
+        for place in range(count[i]):
+            kept[best[i, place]] = True
     return kept

@@ -62,5 +62,6 @@ def _beside(
     a: int, left: np.ndarray, pairs: np.ndarray, conflicts: Callable[[int, np.ndarray], np.ndarray]
 ) -> np.ndarray:
     """The rows of `left` that can stand beside the accepted row a."""
-    left = left[(pairs[left, 0] != pairs[a, 0]) & (pairs[left, 1] != pairs[a, 1])]
+    near = pairs[left]
+    left = left[(near[:, 0] != pairs[a, 0]) & (near[:, 1] != pairs[a, 1])]
     return left[~conflicts(a, left)]

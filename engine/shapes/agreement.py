@@ -50,18 +50,27 @@ def _degrees(pairs, starts, d_source, d_target, table):  # type: ignore[no-untyp
             q = d_target[j, pairs[b, 1]]
             if 1 <= q <= reach_t:
                 count[q, pairs[b, 0]] += 1
-        support = np.zeros((256, n))
+        support = np.zeros((n, reach_s + 2))  # the last column stays zero, for all that is beyond the reach
         for p in range(1, reach_s + 1):
             for q in range(1, reach_t + 1):
                 if table[p, q] > 0:
                     for x in range(n):
-                        support[p, x] += table[p, q] * count[q, x]
+                        support[x, p] += table[p, q] * count[q, x]
         for a in range(starts[j], starts[j + 1]):
             i = pairs[a, 0]
             total = 0.0
             for x in range(n):
-                total += support[d_source[i, x], x]
+                total += support[x, min(d_source[i, x], reach_s + 1)]
             out[a] = total
+    return out
+
+
+@njit(cache=True, nogil=True)
+def hop_clashes(i, j, pairs, others, d_source, d_target, clash):  # type: ignore[no-untyped-def]
+    """Which candidates `others` (rows of `pairs`) clash with the match (i, j): `clash` by the hops on either side."""
+    out = np.empty(len(others), dtype=np.bool_)
+    for k in range(len(others)):
+        out[k] = clash[d_source[i, pairs[others[k], 0]], d_target[j, pairs[others[k], 1]]]
     return out
 
 
@@ -84,40 +93,76 @@ def overlap_agreement(
     return r, (low + 1e-6) / (high + 1e-6)
 
 
+@njit(cache=True, nogil=True)
+def overlap_clashes(i, j, pairs, others, source, target, overlap_min, ratio_min):  # type: ignore[no-untyped-def]
+    """Which candidates `others` (rows of `pairs`) agree less with the match (i, j), by r or the ratio, than is asked."""
+    out = np.empty(len(others), dtype=np.bool_)
+    tiny = np.float32(1e-6)
+    for k in range(len(others)):
+        s, t = source[i, pairs[others[k], 0]], target[j, pairs[others[k], 1]]
+        r = np.float32(1) - max(abs(s[0] - t[0]), abs(s[1] - t[1]))
+        ratio = (min(s[2], t[2]) + tiny) / (max(s[2], t[2]) + tiny)
+        out[k] = r < overlap_min or ratio < ratio_min
+    return out
+
+
 def overlap_scores(
     pairs: np.ndarray, g: np.ndarray, source: np.ndarray, target: np.ndarray, agree_from: float
 ) -> np.ndarray:
     """score(a) = g_a Σ_b relu((m_ab - from)/(1 - from)) g_b with m = r · ratio, over all other candidates b, (c,).
 
-    `pairs` (c, 2) must be sorted by the source, `g` (c,); `source` and `target` come from `pack`. In float32.
+    `pairs` (c, 2), `g` (c,); `source` and `target` come from `pack`. In float32. The sum does not depend on the number
+    of threads.
     """
-    starts = np.searchsorted(pairs[:, 0], np.arange(len(source) + 1))
-    columns = np.ascontiguousarray(pairs[:, 1], dtype=np.int32)
-    weight = g.astype(np.float32)
-    t_in, t_of, t_geo = (np.ascontiguousarray(target[..., k]) for k in range(3))
-    total = _overlap_sums(pairs[:, 0], columns, starts, weight, source, t_in, t_of, t_geo, np.float32(agree_from))
-    return g * total / (1 - agree_from)
+    rows, columns = (np.ascontiguousarray(pairs[:, side], dtype=np.int32) for side in (0, 1))
+    total = _overlap_sums(rows, columns, g.astype(np.float32), source, target, np.float32(agree_from))
+    return g * total.sum(axis=0) / (1 - agree_from)
 
 
 @njit(cache=True, nogil=True, parallel=True, fastmath=True)
-def _overlap_sums(rows, columns, starts, g, source, t_in, t_of, t_geo, floor):  # type: ignore[no-untyped-def]
-    """Σ_b relu(m_ab - from) g_b over all b but a itself; candidates of one source share what they read of it."""
-    count = len(columns)
-    out = np.zeros(count)
-    tiny, one, zero = np.float32(1e-6), np.float32(1), np.float32(0)
-    for i in prange(len(starts) - 1):
-        if starts[i] == starts[i + 1]:
-            continue
-        s_in, s_of, s_geo = np.empty(count, np.float32), np.empty(count, np.float32), np.empty(count, np.float32)
-        for b in range(count):
-            s_in[b], s_of[b], s_geo[b] = source[i, rows[b], 0], source[i, rows[b], 1], source[i, rows[b], 2]
-        for a in range(starts[i], starts[i + 1]):
-            inside, of, geo = t_in[columns[a]], t_of[columns[a]], t_geo[columns[a]]
-            total = zero
-            for b in range(count):
-                y = columns[b]
-                r = one - max(abs(s_in[b] - inside[y]), abs(s_of[b] - of[y]))
-                ratio = (min(s_geo[b], geo[y]) + tiny) / (max(s_geo[b], geo[y]) + tiny)
-                total += max(r * ratio - floor, zero) * (g[b] if b != a else zero)
-            out[a] = total
+def _overlap_sums(rows, columns, g, source, target, floor):  # type: ignore[no-untyped-def]
+    """Σ_b relu(m_ab - from) g_b over all b but a itself, in parts (parts, c) that are to be added up.
+
+    m is symmetric, so each pair is looked at once. The candidates b come in blocks, for which all that is read of either
+    shape is first laid out in straight rows, one for each node; within a block all look at all.
+    """
+    count, parts, width = len(rows), 8, 256
+    out = np.zeros((parts, count))
+    for part in prange(parts):
+        s, t = np.empty((len(source), 3, width), np.float32), np.empty((len(target), 3, width), np.float32)
+        sums, unused = np.zeros(width, np.float32), np.zeros(width, np.float32)
+        for first in range(part * width, count, parts * width):
+            size = min(width, count - first)
+            _spread(source, rows[first : first + size], s)
+            _spread(target, columns[first : first + size], t)
+            weight = g[first : first + size].copy()
+            sums[:] = 0
+            for a in range(first):
+                out[part, a] += _support(s[rows[a]], t[columns[a]], g[a], weight, floor, sums)
+            for b in range(size):
+                a, weight[b] = first + b, 0  # nothing supports itself
+                out[part, a] += sums[b] + _support(s[rows[a]], t[columns[a]], g[a], weight, floor, unused)
+                weight[b] = g[a]
     return out
+
+
+@njit(cache=True, nogil=True)
+def _spread(packed, nodes, out):  # type: ignore[no-untyped-def]
+    """For every node i, what `pack` says of it and each of `nodes`: out[i, 0..2, k]."""
+    for i in range(len(packed)):
+        for k in range(len(nodes)):
+            x = nodes[k]
+            out[i, 0, k], out[i, 1, k], out[i, 2, k] = packed[i, x, 0], packed[i, x, 1], packed[i, x, 2]
+
+
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+def _support(s, t, g, weight, floor, sums):  # type: ignore[no-untyped-def]
+    """What the candidates of a block give to one of weight g; `sums` takes what it gives to them."""
+    total, one, zero, tiny = np.float32(0), np.float32(1), np.float32(0), np.float32(1e-6)
+    for b in range(len(weight)):
+        r = one - max(abs(s[0, b] - t[0, b]), abs(s[1, b] - t[1, b]))
+        ratio = (min(s[2, b], t[2, b]) + tiny) / (max(s[2, b], t[2, b]) + tiny)
+        m = max(r * ratio - floor, zero)
+        total += m * weight[b]
+        sums[b] += m * g
+    return total

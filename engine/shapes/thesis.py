@@ -5,7 +5,7 @@ import numpy as np
 from ..consistency.candidates import k_best
 from ..consistency.diffusion import greedy, stationary
 from ..consistency.voting import nesting, vote
-from .agreement import affinity_degrees, affinity_table, isometry
+from .agreement import affinity_degrees, affinity_table, hop_clashes, isometry
 from .hops import UNREACHABLE, diameter
 from .parameters import MatchParameters
 from .proposing import Proposals, geometric_distance, looks_distance, open_rows
@@ -28,9 +28,7 @@ class _Stage:
 
     def conflicts(self, a: int, others: np.ndarray) -> np.ndarray:
         """Which others have both ends inside the local regions of a, but an isometry with a below c₂."""
-        x, y = self.pairs[others].T
-        p, q = self.d_source[self.pairs[a, 0], x], self.d_target[self.pairs[a, 1], y]
-        return self.clash[p, q]
+        return hop_clashes(*self.pairs[a], self.pairs, others, self.d_source, self.d_target, self.clash)
 
     def accept(self, first: np.ndarray | None = None) -> np.ndarray:
         """Rows accepted greedily, those in `first` before all others, and what is pinned in any case."""

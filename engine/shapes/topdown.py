@@ -5,7 +5,7 @@ import numpy as np
 from ..consistency.candidates import k_best
 from ..consistency.diffusion import greedy
 from ..consistency.voting import containment, nesting
-from .agreement import overlap_agreement, overlap_scores
+from .agreement import overlap_agreement, overlap_clashes, overlap_scores
 from .parameters import MatchParameters
 from .proposing import Proposals, geometric_distance, open_rows
 
@@ -30,13 +30,14 @@ def match_top_down(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray
     rows = rows[k_best(pairs[rows], distance[rows], p.K, side=0) | k_best(pairs[rows], distance[rows], p.K, side=1)]
     pins = np.flatnonzero(proposals.pinned)
     rows = np.union1d(_fitting(proposals, rows, pins, p), pins)
-    scores = overlap_scores(pairs[rows], g[rows], proposals.packed_source, proposals.packed_target, p.agree_from)
+    near = pairs[rows]
+    scores = overlap_scores(near, g[rows], proposals.packed_source, proposals.packed_target, p.agree_from)
 
     def conflicts(a: int, others: np.ndarray) -> np.ndarray:
-        r, ratio = _agree(proposals, pairs[rows[a]], pairs[rows[others]])
-        return (r < p.overlap_min) | (ratio < p.ratio_min)
+        read = proposals.packed_source, proposals.packed_target
+        return overlap_clashes(*near[a], near, others, *read, p.overlap_min, p.ratio_min)
 
-    accepted = rows[greedy(pairs[rows], scores, conflicts, fixed=np.searchsorted(rows, pins))]
+    accepted = rows[greedy(near, scores, conflicts, fixed=np.searchsorted(rows, pins))]
     accepted = np.concatenate([accepted, _bottom_last(proposals, accepted, distance, g, p)])
     r, ratio = _agree(proposals, pairs[accepted][:, None], pairs[accepted][None])
     m = r * ratio

@@ -110,7 +110,9 @@ def test_ties_of_votes_go_to_confidence_then_index():
 
 
 def random_pack(n, rng):
-    return rng.random((n, n, 3)).astype(np.float32)
+    """As `pack` makes it: the second is the first transposed, and distances are symmetric."""
+    overlap, distance = rng.random((2, n, n))
+    return np.stack([overlap, overlap.T, distance + distance.T], axis=-1).astype(np.float32)
 
 
 def test_overlap_scores_equal_the_plain_loops():

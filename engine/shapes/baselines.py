@@ -8,10 +8,12 @@ from ..consistency.diffusion import greedy, stationary
 from ..consistency.growing import grow
 from ..consistency.spectral import principal
 from .agreement import affinity_degrees, affinity_table, isometry
-from .hops import diameter, hop_distances
+from .hops import UNREACHABLE, diameter, hop_distances
 from .judged import beside_pins
 from .parameters import MatchParameters
 from .proposing import Proposals, geometric_distance, looks_distance, open_rows
+
+_HOPS = np.arange(UNREACHABLE + 1)
 
 Matched = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
@@ -64,13 +66,14 @@ class _Walk:
                  power: int):  # fmt: skip
         self.pairs, self.hops = pairs, hops
         self.reach = [int(delta * diameter(d) + 1e-9) for d in hops]
+        self.isometry = isometry(_HOPS[:, None], _HOPS)
         table = affinity_table(self.reach[0], self.reach[1], c_0) ** power
         self.confidence = stationary(affinity_degrees(pairs, similarity, hops[0], hops[1], table))
 
     def relate(self, a: int, others: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Whether the ends of `others` lie in the regions of a, and their isometric consistency m (Eq 3.3) with a."""
         p, q = (d[self.pairs[a, side], self.pairs[others, side]] for side, d in enumerate(self.hops))
-        return p <= self.reach[0], q <= self.reach[1], isometry(p, q)
+        return p <= self.reach[0], q <= self.reach[1], self.isometry[p, q]
 
     def relative(self, rows: np.ndarray) -> np.ndarray:
         """π of some candidates, relative to the best of all."""

@@ -66,7 +66,7 @@ def test_two_segmentations_make_a_pair_another_one_when_turned_round(tmp_path):
     assert [n for _, n in names(every)] == ["1 2", "2 3", "1 3", "2 1", "3 2", "3 1"]
     pair = load_pair(every.pairs[3])
     assert (pair.source.segmentation.count, pair.target.segmentation.count) == (4, 5)
-    with pytest.raises(BadInput, match="have names: coarse, fine; .* --case coarse-fine"):
+    with pytest.raises(BadInput, match=r"have names: coarse, fine; .* --case coarse-fine"):
         folder_collection(tmp_path, Layout())
 
 
@@ -170,7 +170,7 @@ def test_the_layouts_of_real_sets(real_shapes):
     wolves = folder_collection(real_shapes / "tosca", Layout(".over.seg", ".seg", ".symseg", pairs="20", families=("wolf",)))
     assert [n for _, n in names(wolves)] == [f"wolf{i} wolf{j}" for i, j in ((0, 1), (1, 2), (0, 2), (1, 0), (2, 1), (2, 0))]
     assert wolves.notes == ("The family wolf has 6 pairs only.",)
-    with pytest.raises(BadInput, match="have names: coarse, fine, median; .* --case coarse-median"):
+    with pytest.raises(BadInput, match=r"have names: coarse, fine, median; .* --case coarse-median"):
         folder_collection(real_shapes / "princeton", Layout())
     with pytest.raises(BadInput, match="have no truth labels"):
         folder_collection(real_shapes / "lamps", Layout())

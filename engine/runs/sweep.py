@@ -49,7 +49,6 @@ def run_tasks(
     `work(payload, wanted, progress)` gives the JSON objects of the keys numbered `wanted`; with several `jobs` it runs
     in other processes, so it must be a function of a module. Raise `Cancelled` in `progress` to stop.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     found: dict[str, Result] = {}
     open_tasks: list[Asked] = []
     for task in tasks:
@@ -64,6 +63,7 @@ def run_tasks(
         for (task, wanted), results in finished:
             made = {task.keys[number]: result for number, result in zip(wanted, results, strict=True)}
             files = {folder / f"{key}.json": json.dumps(result, allow_nan=False) + "\n" for key, result in made.items()}
+            folder.mkdir(parents=True, exist_ok=True)
             write_together(files, synced=False)
             found.update(made)
             ends.append(time.monotonic() - started)

@@ -18,6 +18,7 @@ from .resultfile import read_results
 from .stamps import app_version
 from .study import DEFAULT_QUESTION, add_run, create_study, open_study, record_vote
 from .tabletext import TableFormat, render
+from .votedwishes import read_voted_wishes
 
 app = App(
     name="study",
@@ -126,6 +127,45 @@ def vote(file: Path, /, *, volunteer: str, item: str, answer: Answer, comment: s
     with open_study(file) as handle:
         record_vote(handle, item, volunteer, answer, comment=comment)
     print("Saved.")
+
+
+@app.command
+def wishes(
+    file: Path,
+    source: Path,
+    target: Path,
+    /,
+    *,
+    out: Path,
+    source_labels: Path | None = None,
+    target_labels: Path | None = None,
+) -> None:
+    """Write what the majority says of the pair SOURCE, TARGET as wishes: correct is pinned, wrong is forbidden.
+
+    `concord match --wishes` reads the file; `concord match --votes` takes both steps in one.
+
+    Parameters
+    ----------
+    file
+        The study file.
+    source
+        First mesh of the pair.
+    target
+        Second mesh of the pair.
+    out
+        The file of wishes to write.
+    source_labels
+        Labels of the first mesh, where they do not lie beside it.
+    target_labels
+        The same for the second mesh.
+    """
+    from engine.shapes.meshfile import load_shape
+    from engine.shapes.wishfile import write_wishes
+
+    shapes = load_shape(source, source_labels), load_shape(target, target_labels)
+    found = read_voted_wishes(file, *shapes)
+    write_wishes(out, found.wishes, *shapes)
+    print(f"{out}: {found.sentence()}")
 
 
 @app.command

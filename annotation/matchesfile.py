@@ -50,6 +50,7 @@ class _MatchesFile(_Model):
     parameters: dict[str, Any]
     matches: tuple[_Match, ...]
     seconds: dict[str, float] = {}
+    wishes: dict[str, Any] | None = None  # what people had pinned or forbidden
 
 
 def read_matches(path: Path | str, set_name: str = "") -> Run:
@@ -77,6 +78,7 @@ def run_of_json(content: Mapping[str, Any], set_name: str = "") -> Run:
 
 
 def _run(read: _MatchesFile, set_name: str) -> Run:
+    """The run; where wishes were honoured it is counted apart from what the method finds alone."""
     proposals = (
         Proposal(
             shape_item(match.id, _side(read.source, match.source), _side(read.target, match.target)),
@@ -85,7 +87,7 @@ def _run(read: _MatchesFile, set_name: str) -> Run:
         for match in read.matches
     )  # fmt: skip
     return Run(
-        "shape", read.method, read.preset, read.parameters, set_name, read.source.model_dump(),
+        "shape", read.method + (" (guided)" if read.wishes else ""), read.preset, read.parameters, set_name, read.source.model_dump(),
         read.target.model_dump(), read.seconds, distinct(proposals),
     )  # fmt: skip
 

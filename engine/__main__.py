@@ -10,6 +10,7 @@ from cyclopts import App, Parameter
 from . import evaluate_commands
 from .cli import progress_bar, run
 from .collection_commands import mount_collection
+from .errors import BadInput
 from .parameters import Parameters, assignments, declared, read_values
 from .puzzle_commands import mount
 from .puzzles.parameters import PuzzleParameters
@@ -21,10 +22,15 @@ from .store import default_cache, output_folder
 from .table_commands import build_tables
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from .collection_report import CollectionDraw
     from .report import Picture, PictureMaker
     from .shapes.result import MatchResult
     from .shapes.segmentation import SegmentedShape
+    from .shapes.wishes import Wishes
+
+    Judged = Callable[[Path, SegmentedShape, SegmentedShape], Wishes]
 
 
 def no_pictures(
@@ -32,6 +38,11 @@ def no_pictures(
 ) -> "list[Picture]":
     """Reports of the bare engine have no pictures: drawing needs VTK."""
     return []
+
+
+def no_studies(path: Path, source: "SegmentedShape", target: "SegmentedShape") -> "Wishes":
+    """The engine alone knows no studies."""
+    raise BadInput(f"{path} is not read here: votes need `concord match --votes`, or a file of `concord study wishes`.")
 
 
 Source = Annotated[Path, Parameter(help="First mesh: OFF, OBJ, PLY, STL or GLB.")]
@@ -43,10 +54,11 @@ Words = Annotated[list[str] | None, Parameter(negative="", consume_multiple=True
 
 
 def build_app(
-    draw: "PictureMaker" = no_pictures, draw_collection: "CollectionDraw | None" = None, voted: VoteReader = no_votes
-) -> App:
-    """The engine's commands; `draw` makes the pictures of a report, `draw_collection` those of a collection, and
-    `voted` reads the votes of a study for the thesis's tables."""
+    draw: "PictureMaker" = no_pictures, draw_collection: "CollectionDraw | None" = None, voted: VoteReader = no_votes,
+    judged: "Judged" = no_studies,
+) -> App:  # fmt: skip
+    """The engine's commands; `draw` makes the pictures of a report, `draw_collection` those of a collection, `voted`
+    reads the votes of a study for the thesis's tables, and `judged` those on a pair as wishes."""
     words = "Find consistent correspondences between segmented shapes, and between the pieces of puzzles."
     app = App(name="concord", help=words, version=_version)
     app.command(list_parameters, name="parameters")
@@ -69,6 +81,8 @@ def build_app(
         preset: str | None = None,
         set: Words = None,
         parameters: Path | None = None,
+        wishes: Path | None = None,
+        votes: Path | None = None,
     ) -> None:
         """Match two meshes and write matches.json, matches.csv, parameters.json and report.html.
 
@@ -85,13 +99,18 @@ def build_app(
             NAME=VALUE, replaces single parameters; may be given several times.
         parameters
             A parameters.json that a run has written; `--set` still wins.
+        wishes
+            A file of wishes: matches that are pinned come in any case, forbidden ones do not.
+        votes
+            A study file: what the majority calls correct is pinned, what it calls wrong forbidden. `--wishes` still win.
         """
         from .shapes.meshfile import load_shape
 
         named = preset or (method_preset(method) if method else DEFAULT_PRESET)
         values = chosen_parameters(named, set or (), parameters, method=method)
         shapes = load_shape(source, source_labels), load_shape(target, target_labels)
-        match_into(output_folder(out), shapes[0], shapes[1], values, preset_name(values, named), draw)
+        wanted = asked_wishes(wishes, votes, *shapes, judged)
+        match_into(output_folder(out), shapes[0], shapes[1], values, preset_name(values, named), draw, wanted)
 
     return app
 
@@ -142,6 +161,17 @@ def make_shapes(
           "with their labels (.seg) and truth (.sem)")  # fmt: skip
 
 
+def asked_wishes(
+    file: Path | None, study: Path | None, source: "SegmentedShape", target: "SegmentedShape", judged: "Judged"
+) -> "Wishes":
+    """The wishes of a study's votes and those of a file, which take the place of what they contradict."""
+    from .shapes.wishes import NO_WISHES
+    from .shapes.wishfile import read_wishes
+
+    found = judged(study, source, target) if study is not None else NO_WISHES
+    return found.then(read_wishes(file, source, target)) if file is not None else found
+
+
 def match_into(
     folder: Path,
     source: "SegmentedShape",
@@ -149,17 +179,22 @@ def match_into(
     parameters: MatchParameters,
     name: str,
     draw: "PictureMaker" = no_pictures,
+    wishes: "Wishes | None" = None,
 ) -> "MatchResult":
     """Match two shapes, print what came out and write the four result files; `name` is that of the preset."""
     from .matchfile import write_matches
     from .report import report_page
     from .shapes.matching import match_shapes
+    from .shapes.wishes import NO_WISHES
 
     with progress_bar() as progress:
-        result = match_shapes(source, target, parameters, preset=name, progress=progress, cache=default_cache())
+        result = match_shapes(
+            source, target, parameters, preset=name, wishes=wishes or NO_WISHES, progress=progress, cache=default_cache())  # fmt: skip
     write_matches(result, folder, report=report_page(result, draw(source, target, result)))
     for note in result.notes:
         print(f"note: {note}")
+    if result.wishes:
+        print(f"wishes honoured: {len(result.wishes.pinned)} pinned, {len(result.wishes.forbidden)} forbidden")
     seconds = ", ".join(f"{step} {value:.2f}" for step, value in result.seconds.items())
     print(f"{len(result.ids)} matches between {source.mesh.name} ({source.segmentation.count} segments, "
           f"{result.source_nodes} nodes) and {target.mesh.name} ({target.segmentation.count} segments, "

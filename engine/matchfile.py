@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .shapes.result import MatchResult, ShapeRecord
+from .shapes.wishes import Pair
 from .spreadsheet import safe_cell
 from .store import write_together
 
@@ -29,7 +30,8 @@ def result_to_json(result: MatchResult, support: Support | None = None) -> dict[
 
     Segments are numbered by the sorted order of the labels in the input, and listed by those labels. `sha256` is the
     hash of the arrays as they were read and `segmentation` that of the segments (see `engine.shapes.identity`). With a
-    support every match has a `support`, null where nothing can be said, and `supported_by` names its kind.
+    support every match has a `support`, null where nothing can be said, and `supported_by` names its kind. Where wishes
+    were honoured, `wishes` holds what was pinned and what was forbidden, and every match says whether it is `pinned`.
     """
     content: dict[str, Any] = {
         "schema": SCHEMA,
@@ -50,6 +52,11 @@ def result_to_json(result: MatchResult, support: Support | None = None) -> dict[
         "graph": {"source_nodes": result.source_nodes, "target_nodes": result.target_nodes},
         "seconds": {step: round(value, 4) for step, value in result.seconds.items()},
     }  # fmt: skip
+    if result.wishes:
+        content["wishes"] = {"pinned": _wish_labels(result, result.wishes.pinned),
+                             "forbidden": _wish_labels(result, result.wishes.forbidden)}  # fmt: skip
+        for match, pinned in zip(content["matches"], result.pinned.tolist(), strict=True):
+            match["pinned"] = pinned
     if support is not None:
         content["supported_by"] = support.kind
         for match, value in zip(content["matches"], support.values.tolist(), strict=True):
@@ -62,21 +69,29 @@ def _shape(record: ShapeRecord) -> dict[str, Any]:
             "segmentation": record.segmentation}  # fmt: skip
 
 
+def _wish_labels(result: MatchResult, pairs: Iterable[Pair]) -> list[dict[str, list[int | str]]]:
+    return [{"source": _labels(result.source, a), "target": _labels(result.target, b)} for a, b in pairs]
+
+
 def _labels(record: ShapeRecord, segments: Iterable[int]) -> list[int | str]:
     return [record.segments[int(i)] for i in segments]
 
 
 def result_to_csv(result: MatchResult, support: Support | None = None) -> str:
-    """One line a match, segments joined by semicolons; cells that a spreadsheet would run as a formula are escaped."""
+    """One line a match, segments joined by semicolons; cells that a spreadsheet would run as a formula are escaped.
+
+    The last columns, `support` and `pinned`, are there where there is a support, or where wishes were honoured.
+    """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     head = ["id", "source", "target", "score", "votes", "source_layer", "target_layer", "similarity"]
-    writer.writerow([*head, *(["support"] if support is not None else [])])
+    writer.writerow([*head, *(["support"] if support is not None else []), *(["pinned"] if result.wishes else [])])
     for row, m in enumerate(result.matches()):
         source, target = (";".join(map(str, _labels(record, segments))) for record, segments in
                           ((result.source, m.source), (result.target, m.target)))  # fmt: skip
         writer.writerow([m.id, safe_cell(source), safe_cell(target), f"{m.score:.6f}", m.votes, m.source_layer,
-                         m.target_layer, f"{m.similarity:.6f}", *_support_cell(support, row)])  # fmt: skip
+                         m.target_layer, f"{m.similarity:.6f}", *_support_cell(support, row),
+                         *(["pinned" if m.pinned else ""] if result.wishes else [])])  # fmt: skip
     return text.getvalue()
 
 

@@ -52,7 +52,7 @@ def report_page(
         Further sections: heading and HTML that is already safe (made by `html_table`).
     """
     sections = [
-        pictures_html(pictures), _matches(result), *(f"<h2>{escape(head)}</h2>{body}" for head, body in extra),
+        pictures_html(pictures), _matches(result), _wishes(result), *(f"<h2>{escape(head)}</h2>{body}" for head, body in extra),
         _notes(result), _parameters(result.parameters, result.preset), _seconds(result),
     ]  # fmt: skip
     return page(_title(result), _lead(result), sections)
@@ -101,20 +101,33 @@ def pictures_html(pictures: Sequence[Picture]) -> str:
 
 
 def _matches(result: MatchResult) -> str:
-    def listed(record: ShapeRecord, segments: tuple[int, ...]) -> str:
-        return ", ".join(str(record.segments[i]) for i in segments)
-
+    listed, told = _listed, bool(result.wishes)
     rows = [
         (k + 1, listed(result.source, m.source), listed(result.target, m.target), f"{m.score:.3f}", m.votes,
-         f"{m.source_layer} / {m.target_layer}", f"{m.similarity:.3f}")
+         f"{m.source_layer} / {m.target_layer}", f"{m.similarity:.3f}", *(["pinned" if m.pinned else ""] if told else []))
         for k, m in enumerate(result.matches())
     ]  # fmt: skip
     sides = ((result.source, result.source_members), (result.target, result.target_members))
     left = [listed(record, tuple(np.flatnonzero(~members.any(axis=0)))) or "none" for record, members in sides]
-    head = ("#", _name(result.source), _name(result.target), "score", "votes", "layers", "similarity")
-    table = html_table(head, rows, [True, False, False, True, True, False, True])
+    head = ("#", _name(result.source), _name(result.target), "score", "votes", "layers", "similarity", *([""] if told else []))
+    table = html_table(head, rows, [True, False, False, True, True, False, True, *([False] if told else [])])
     unmatched = f"<p>Segments in no match: {escape(left[0])} (left); {escape(left[1])} (right).</p>"
     return f"<h2>Matches</h2>{table if rows else '<p>No matches were found.</p>'}{unmatched}"
+
+
+def _listed(record: ShapeRecord, segments: tuple[int, ...]) -> str:
+    return ", ".join(str(record.segments[i]) for i in segments)
+
+
+def _wishes(result: MatchResult) -> str:
+    """What people had pinned and forbidden, where they had."""
+    if not result.wishes:
+        return ""
+    rows = [(word, _listed(result.source, a), _listed(result.target, b))
+            for word, pairs in (("pinned", result.wishes.pinned), ("forbidden", result.wishes.forbidden))
+            for a, b in pairs]  # fmt: skip
+    table = html_table(("wish", _name(result.source), _name(result.target)), rows)
+    return f"<h2>Wishes that were honoured</h2>{table}"
 
 
 def _notes(result: MatchResult) -> str:

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from engine.shapes.collection_result import CollectionResult
     from engine.shapes.result import MatchResult
     from engine.shapes.segmentation import SegmentedShape
+    from engine.shapes.wishes import Wishes
 
 
 def open_window(files: Sequence[str] = (), labels: tuple[str | None, str | None] = (None, None)) -> int:
@@ -70,6 +71,15 @@ def puzzle_path(path: Path) -> Path:
     return path
 
 
+def judged_wishes(path: Path, source: "SegmentedShape", target: "SegmentedShape") -> "Wishes":
+    """What the majority of a study's votes says of a pair, as wishes; prints what that is."""
+    from annotation.votedwishes import read_voted_wishes
+
+    found = read_voted_wishes(path, source, target)
+    print(found.sentence())
+    return found.wishes
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command `concord` and return its exit code."""
     arguments = list(sys.argv[1:] if argv is None else argv)
@@ -82,7 +92,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     from engine.__main__ import SourceLabels, TargetLabels, build_app
     from engine.cli import run
 
-    app = build_app(report_pictures, collection_pictures, voted_precision)
+    app = build_app(report_pictures, collection_pictures, voted_precision, judged_wishes)
     app.command(study, name="study")
 
     @app.command(name="open")

@@ -28,7 +28,8 @@ class _Stage:
 
     def conflicts(self, a: int, others: np.ndarray) -> np.ndarray:
         """Which others have both ends inside the local regions of a, but an isometry with a below c₂."""
-        return hop_clashes(*self.pairs[a], self.pairs, others, self.d_source, self.d_target, self.clash)
+        i, j = self.pairs[a]
+        return hop_clashes(i, j, self.pairs, others, self.d_source, self.d_target, self.clash)
 
     def accept(self, first: np.ndarray | None = None) -> np.ndarray:
         """Rows accepted greedily, those in `first` before all others, and what is pinned in any case."""

@@ -34,8 +34,8 @@ def match_top_down(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray
     scores = overlap_scores(near, g[rows], proposals.packed_source, proposals.packed_target, p.agree_from)
 
     def conflicts(a: int, others: np.ndarray) -> np.ndarray:
-        read = proposals.packed_source, proposals.packed_target
-        return overlap_clashes(*near[a], near, others, *read, p.overlap_min, p.ratio_min)
+        (i, j), source, target = near[a], proposals.packed_source, proposals.packed_target
+        return overlap_clashes(i, j, near, others, source, target, p.overlap_min, p.ratio_min)
 
     accepted = rows[greedy(near, scores, conflicts, fixed=np.searchsorted(rows, pins))]
     accepted = np.concatenate([accepted, _bottom_last(proposals, accepted, distance, g, p)])

@@ -46,6 +46,15 @@ class Wishes:
         """These wishes without any about one match."""
         return Wishes(*(tuple(p for p in pairs if p != pair) for pairs in (self.pinned, self.forbidden)))
 
+    def then(self, other: "Wishes") -> "Wishes":
+        """These wishes and others, which take the place of what they contradict."""
+        found = self
+        for pair in other.forbidden:
+            found = found.forbid(pair)
+        for pair in other.pinned:
+            found = found.pin(pair)
+        return found
+
     def turned(self) -> "Wishes":
         """The same wishes with source and target exchanged."""
         return Wishes(*(tuple((t, s) for s, t in pairs) for pairs in (self.pinned, self.forbidden)))

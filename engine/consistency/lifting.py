@@ -22,8 +22,9 @@ Members = tuple[np.ndarray, np.ndarray]  # of the p matches of a pair: atoms of 
 class LiftedAtoms:
     """What was put in and what came out: both (n, n) over all atoms of all objects, `start` (objects + 1,) their rows.
 
-    `evidence` is how far the matches of each pair put two atoms together, `matches` that made consistent around cycles,
-    or the evidence itself where nothing was lifted (`lift` is None).
+    `evidence` is how far the matches of each pair put two atoms together (0 between objects that were not matched),
+    `matches` that made consistent around cycles, also between those; where nothing was lifted (`lift` is None) they are
+    the evidence beyond one half, stretched to [0, 1].
     """
 
     evidence: np.ndarray
@@ -54,20 +55,21 @@ def lift_atoms(
 ) -> LiftedAtoms:
     """Make what the matches say of atoms consistent around all cycles; see `matchlift` for the numbers.
 
-    `counts` are the atoms of each object. Where there are more than `most` in all, fewer than 2 objects, or no match,
-    the evidence stays as it is.
+    `counts` are the atoms of each object. Objects that were not matched with each other have neither a cost nor a gain.
+    Where there are more than `most` atoms in all, fewer than 2 objects, or no match, nothing is lifted.
     """
     start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-    evidence = np.zeros((start[-1], start[-1]))
+    evidence, similarity = np.zeros((start[-1], start[-1])), np.full((start[-1], start[-1]), sparsity)
     for (a, b), (left, right) in members.items():
         block = together(left, right)
-        evidence[start[a] : start[a + 1], start[b] : start[b + 1]] = block
-        evidence[start[b] : start[b + 1], start[a] : start[a + 1]] = block.T
+        for matrix in (evidence, similarity):
+            matrix[start[a] : start[a + 1], start[b] : start[b + 1]] = block
+            matrix[start[b] : start[b + 1], start[a] : start[a + 1]] = block.T
     evidence = frozen_array(evidence, np.float64, evidence.shape, "The evidence")
     if not 2 <= len(counts) <= start[-1] <= most or not evidence.any():
-        return LiftedAtoms(evidence, evidence, start, None)
+        return LiftedAtoms(evidence, np.clip(2 * evidence - 1, 0, 1), start, None)
     objects = np.repeat(np.arange(len(counts)), counts)
-    found = matchlift(evidence, objects, universe=None, sparsity=sparsity, penalty=penalty, tolerance=tolerance,
+    found = matchlift(similarity, objects, universe=None, sparsity=sparsity, penalty=penalty, tolerance=tolerance,
                       max_steps=max_steps, progress=progress)  # fmt: skip
     return LiftedAtoms(evidence, found.matches, start, found)
 

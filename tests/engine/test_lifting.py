@@ -49,6 +49,14 @@ def test_a_common_refinement_is_supported_in_full():
     np.testing.assert_allclose(support, [1, np.sqrt(0.5), 0], atol=1e-12)
 
 
+def test_objects_that_were_not_matched_are_joined_by_those_between():
+    """A chain of four: the ends never met, and an unmatched pair is no evidence against it."""
+    chain = {(0, 1): single(1, 2, 0), (1, 2): single(2, 1, 0), (2, 3): single(0, 1, 2), (0, 2): single(1, 0, 2)}
+    found = lift_atoms(chain, [3] * 4, **NUMBERS)
+    np.testing.assert_allclose(found.block(0, 3), np.eye(3)[[1, 0, 2]], atol=0.05)
+    assert not found.evidence[:3, 9:].any()
+
+
 def test_a_finely_cut_shape_has_all_its_pieces_in_the_part():
     coarse_fine = members(2, (0,), (1,)), members(3, (0, 1), (2,))
     same = members(2, (0,), (1,)), members(2, (0,), (1,))
@@ -73,12 +81,12 @@ def test_numbering_of_shapes_does_not_matter():
 
 
 @pytest.mark.parametrize("changes", [{"most": 5}, {}])
-def test_too_many_atoms_or_no_match_leave_the_evidence(changes):
+def test_too_many_atoms_or_no_match_are_not_lifted(changes):
     data = {(0, 1): single(0, 1, 2)} if changes else {(0, 1): (members(3), members(3))}
     found = lift_atoms(data, [3, 3], **{**NUMBERS, **changes})
     assert found.lift is None
-    assert np.array_equal(found.matches, found.evidence)
-    assert found.evidence.any() == bool(changes)
+    assert np.array_equal(found.matches, np.eye(6)[:, [3, 4, 5, 0, 1, 2]] * bool(changes))
+    assert np.array_equal(found.evidence, found.matches)
 
 
 def test_parts_are_shared_and_ordered_by_size():

@@ -15,10 +15,10 @@ PAIR_HEAD = (
 _SHARES = ("lenient", "chance_lenient", "strict", "chance_strict", "transfer_precision", "transfer_recall",
            "ceiling_precision", "ceiling_recall")  # fmt: skip
 SET_HEAD = (
-    "method", "set", "pairs", "failed", "without_match", "matches", *(f"{s}_{kind}" for s in _SHARES for kind in Share._fields),
+    "set", "method", "pairs", "failed", "without_match", "matches", *(f"{s}_{kind}" for s in _SHARES for kind in Share._fields),
     *(f"{s}_interval_{end}" for s in ("lenient", "strict") for end in Interval._fields), "right_pair_exists", "seconds",
 )  # fmt: skip
-SIZE_HEAD = ("method", "set", "segments_of_larger_node", "matches", "lenient", "strict")
+SIZE_HEAD = ("set", "method", "segments_of_larger_node", "matches", "lenient", "strict")
 TEST_HEAD = ("method", "against", "set", "measure", "pairs", "better", "worse", "equal", "mean_difference", "p_permutation",
              "p_wilcoxon", "p_permutation_holm", "p_wilcoxon_holm")  # fmt: skip
 
@@ -40,10 +40,10 @@ def tables(rows: Sequence[SetRow], comparisons: Sequence[Comparison]) -> list[Ta
 
 def means(rows: Sequence[SetRow]) -> Table:
     """Macro figures beside chance and ceiling."""
-    head = ("method", "set", "pairs", "lenient (chance)", "strict (chance)", "transfer precision", "transfer recall",
+    head = ("set", "method", "pairs", "lenient (chance)", "strict (chance)", "transfer precision", "transfer recall",
             "ceiling of transfer", "seconds")  # fmt: skip
     cells = [
-        (r.method, r.set_name, _pairs(r), _beside(r.lenient.macro, r.chance_lenient.macro),
+        (r.set_name, r.method, _pairs(r), _beside(r.lenient.macro, r.chance_lenient.macro),
          _beside(r.strict.macro, r.chance_strict.macro), percent(r.transfer_precision.macro), percent(r.transfer_recall.macro),
          f"{percent(r.ceiling_precision.macro)} / {percent(r.ceiling_recall.macro)}",
          NOTHING if r.pairs == r.failed else f"{r.seconds:.1f}")
@@ -55,10 +55,10 @@ def means(rows: Sequence[SetRow]) -> Table:
 
 def pooled(rows: Sequence[SetRow]) -> Table:
     """Micro figures with intervals."""
-    head = ("method", "set", "matches", "lenient", "95 % interval", "chance", "strict", "95 % interval", "chance",
+    head = ("set", "method", "matches", "lenient", "95 % interval", "chance", "strict", "95 % interval", "chance",
             "transfer precision", "transfer recall")  # fmt: skip
     cells = [
-        (r.method, r.set_name, str(r.matches), percent(r.lenient.micro), _range(r.lenient_interval),
+        (r.set_name, r.method, str(r.matches), percent(r.lenient.micro), _range(r.lenient_interval),
          percent(r.chance_lenient.micro), percent(r.strict.micro), _range(r.strict_interval), percent(r.chance_strict.micro),
          percent(r.transfer_precision.micro), percent(r.transfer_recall.micro))
         for r in rows
@@ -70,11 +70,11 @@ def pooled(rows: Sequence[SetRow]) -> Table:
 def by_size(rows: Sequence[SetRow]) -> Table:
     """Precision by the size of the matched nodes."""
     names = [name for name, _, _ in SIZE_CLASSES]
-    head = ("method", "set", *("1 segment" if name == "1" else f"{name} segments" for name in names))
+    head = ("set", "method", *("1 segment" if name == "1" else f"{name} segments" for name in names))
     cells = []
     for r in rows:
         known = {s.name: f"{percent(s.lenient)} / {percent(s.strict)} ({s.matches})" for s in r.sizes}
-        cells.append((r.method, r.set_name, *(known.get(name, NOTHING) for name in names)))
+        cells.append((r.set_name, r.method, *(known.get(name, NOTHING) for name in names)))
     return Table("By size, in %", head, cells, 2, SIZES)
 
 
@@ -119,13 +119,13 @@ def pair_values(j: Judged) -> tuple[object, ...]:
 def set_values(r: SetRow) -> tuple[object, ...]:
     """The values of SET_HEAD."""
     bounds = [value for i in (r.lenient_interval, r.strict_interval) for value in (i or (None, None, None))]
-    return (r.method, r.set_name, r.pairs, r.failed, r.empty, r.matches, *(value for s in _SHARES for value in getattr(r, s)),
+    return (r.set_name, r.method, r.pairs, r.failed, r.empty, r.matches, *(value for s in _SHARES for value in getattr(r, s)),
             *bounds, r.right_exists, r.seconds)  # fmt: skip
 
 
 def size_values(rows: Sequence[SetRow]) -> list[tuple[object, ...]]:
     """The rows of SIZE_HEAD."""
-    return [(r.method, r.set_name, *size) for r in rows for size in r.sizes]
+    return [(r.set_name, r.method, *size) for r in rows for size in r.sizes]
 
 
 def comparison_values(c: Comparison) -> tuple[object, ...]:

@@ -91,15 +91,13 @@ MEASURES: dict[str, Callable[[Evaluation], float]] = {
 
 
 def set_rows(judged: Sequence[Judged]) -> list[SetRow]:
-    """One row for each method and set in order of appearance, and one over all sets where there are several."""
-    rows = []
-    sets = list(dict.fromkeys(j.set_name for j in judged))
-    for method in dict.fromkeys(j.method for j in judged):
-        mine = [j for j in judged if j.method == method]
-        rows += [set_row(method, name, [j for j in mine if j.set_name == name]) for name in sets]
-        if len(sets) > 1:
-            rows.append(set_row(method, ALL_SETS, mine))
-    return rows
+    """One row for each set and method in order of appearance, and at the end those over all sets where there are several."""
+    methods, sets = list(dict.fromkeys(j.method for j in judged)), list(dict.fromkeys(j.set_name for j in judged))
+    return [
+        set_row(method, name, [j for j in judged if j.method == method and name in (j.set_name, ALL_SETS)])
+        for name in (*sets, *([ALL_SETS] if len(sets) > 1 else []))
+        for method in methods
+    ]
 
 
 def set_row(method: str, set_name: str, judged: Sequence[Judged]) -> SetRow:

@@ -61,6 +61,7 @@ def test_large_meshes_weigh_no_more_than_small_ones():
 def test_rows_of_several_sets_end_with_one_over_all():
     rows = set_rows([judged("1"), judged("1", 4, 1, set_name="vases")])
     assert [(r.set_name, r.pairs) for r in rows] == [("lamps", 1), ("vases", 1), (ALL_SETS, 2)]
+    assert [r.method for r in set_rows([judged("1"), judged("1", method="b"), judged("1", set_name="vases")])] == ["a", "b"] * 3
     assert rows[2].lenient.micro == pytest.approx(4 / 8)
     assert len(set_rows([judged("1"), judged("2")])) == 1
 

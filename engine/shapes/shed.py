@@ -83,7 +83,7 @@ def _few(pairs: np.ndarray, cost: np.ndarray) -> np.ndarray:
     if len(pairs) <= _MOST_CANDIDATES:
         return np.ones(len(pairs), dtype=bool)
     ends = sum(len(np.unique(pairs[:, side])) for side in (0, 1))
-    k = max(3, _MOST_CANDIDATES // ends)
+    k = max(1, _MOST_CANDIDATES // ends)
     return k_best(pairs, cost, k, side=0) | k_best(pairs, cost, k, side=1)
 
 

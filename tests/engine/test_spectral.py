@@ -36,12 +36,12 @@ def test_it_is_that_of_a_dense_solver():
         m = np.random.default_rng(seed).random((30, 30)) ** 4
         m = m + m.T
         vector = np.abs(np.linalg.eigh(m)[1][:, -1])
-        assert principal(m) == pytest.approx(vector / vector.max(), abs=1e-7)
+        assert principal(m) == pytest.approx(vector / vector.max(), abs=1e-6)
 
 
 def test_two_halves_that_point_at_each_other_do_not_swing():
     assert principal(np.array([[0.0, 1], [1, 0]])) == pytest.approx([1, 1])
-    assert principal(np.array([[0.0, 1, 1], [1, 0, 0], [1, 0, 0]])) == pytest.approx([1, 0.5**0.5, 0.5**0.5], abs=1e-8)
+    assert principal(np.array([[0.0, 1, 1], [1, 0, 0], [1, 0, 0]])) == pytest.approx([1, 0.5**0.5, 0.5**0.5], abs=1e-6)
 
 
 def test_what_is_alike_by_symmetry_is_exactly_equal():

@@ -63,8 +63,8 @@ TOGETHER = (
     _mix("LFD + extent + geodesic", lfd=1, extent=0.5, centrality=2),
     _mix("LFD + D1–D4 + A3", lfd=1, **_five(0.4)),
     _mix("D1–D4 + A3 + size + geodesic", **_five(0.4), size=2, centrality=4),
-    _mix("LFD + persistent HKS", lfd=1, phks=1),
-    _mix("all", lfd=1, size=1, extent=0.5, centrality=4, **_five(0.2), pca=0.5, hks=0.5, phks=1, volume=0.5),
+    _mix("LFD + persistent HKS", lfd=1, phks=0.7),
+    _mix("all", lfd=1, size=1, extent=0.5, centrality=4, **_five(0.2), pca=0.5, hks=0.5, phks=0.7, volume=0.6),
 )
 
 
@@ -111,12 +111,10 @@ def retrieve(payload: Payload, wanted: tuple[int, ...], progress: Progress) -> l
     try:
         pair = load_pair(payload.pair)
         cache = default_cache()
-        described = [
-            describe(shape, payload.parameters, progress=share(progress, 0.4 * k, 0.4 * k + 0.4), cache=cache)
-            for k, shape in enumerate((pair.source, pair.target))
-        ]
-        truth = true_partners(pair, *described)
-        every = {kind: every_pair(*described, kind, cache=cache) for kind in dict.fromkeys(mix.lfd for mix in mixes)}
+        source = describe(pair.source, payload.parameters, progress=share(progress, 0.0, 0.4), cache=cache)
+        target = describe(pair.target, payload.parameters, progress=share(progress, 0.4, 0.8), cache=cache)
+        truth = true_partners(pair, source, target)
+        every = {kind: every_pair(source, target, kind, cache=cache) for kind in dict.fromkeys(mix.lfd for mix in mixes)}
     except Cancelled:
         raise
     except ConcordError as error:
@@ -124,7 +122,7 @@ def retrieve(payload: Payload, wanted: tuple[int, ...], progress: Progress) -> l
     results: list[Result] = []
     for mix in mixes:
         distance = geometric_distance(every[mix.lfd], weighted(payload.parameters, mix))
-        results.append({"failure": "", "sums": _sums(distance.reshape(truth.shape), truth, described)})
+        results.append({"failure": "", "sums": _sums(distance.reshape(truth.shape), truth, (source, target))})
     return results
 
 

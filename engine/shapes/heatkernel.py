@@ -21,6 +21,7 @@ EIGENVALUES = 120
 TIMES = np.geomspace(0.002, 0.5, 16)  # in units of the shape's area
 PERSISTENT = (0, 4, 8, 12)  # of TIMES
 PEAKS = 4
+_DENSER = 6  # times as many points to choose from
 _LEAST = 12  # points of the smallest segment
 _NEIGHBOURS = 12
 
@@ -40,11 +41,39 @@ class HeatKernel(NamedTuple):
 
 def heat_kernel(shape: SegmentedShape, *, seed: int) -> HeatKernel:
     """k_t(x, x) = Σ exp(-λ t) φ(x)² over the lowest eigenpairs of the Laplacian, times in units of the area."""
-    points, owner = sample_surface(shape, POINTS, seed, least=_LEAST)
+    points, owner = _even_points(shape, seed)
     stiffness, mass = point_laplacian(points)
     values, functions = _eigenpairs(stiffness, mass, min(EIGENVALUES, len(points) - 2))
     decay = np.exp(-values[:, None] * mass.sum() * TIMES)
     return HeatKernel(functions**2 @ decay * mass.sum(), mass, owner, _neighbours(stiffness))
+
+
+def _even_points(shape: SegmentedShape, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """About `POINTS` evenly spaced surface points (n, 3), at least `_LEAST` of each segment, and their segments (n,)."""
+    points, owner = sample_surface(shape, _DENSER * POINTS, seed, least=_LEAST)
+    chosen = np.zeros(len(points), dtype=bool)
+    chosen[_farthest(points, min(POINTS, len(points)))] = True
+    few = np.bincount(owner[chosen], minlength=shape.segmentation.count) < _LEAST
+    for segment in np.flatnonzero(few):
+        rows = np.flatnonzero(owner == segment)
+        chosen[rows[_farthest(points[rows], _LEAST)]] = True
+    return points[chosen], owner[chosen]
+
+
+@njit(cache=True, nogil=True)
+def _farthest(points, count):  # type: ignore[no-untyped-def]
+    """Rows of `count` points, each the farthest from all before it, beginning with the first."""
+    rows = np.zeros(count, dtype=np.int64)
+    nearest = np.full(len(points), np.inf)
+    for k in range(1, count):
+        best, last = 0, rows[k - 1]
+        for i in range(len(points)):
+            x, y, z = points[i, 0] - points[last, 0], points[i, 1] - points[last, 1], points[i, 2] - points[last, 2]
+            nearest[i] = min(nearest[i], x * x + y * y + z * z)
+            if nearest[i] > nearest[best]:
+                best = i
+        rows[k] = best
+    return rows
 
 
 def point_laplacian(points: np.ndarray) -> tuple[csr_array, np.ndarray]:

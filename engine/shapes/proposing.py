@@ -14,7 +14,7 @@ from .lightfield import VIEWS, light_field_distances, signature_distances
 from .parameters import MatchParameters
 
 SIGNATURE, EXACT = "signature", "exact"
-SIGNATURE_SCALE = 1.4  # exact distances of true pairs are about so much larger than those of their signatures
+SIGNATURE_SCALE = 1.35  # exact distances of true pairs are about so much larger than those of their signatures
 TRUE_DISTANCE = 1.8  # light field distance that is usual for true pairs
 _MEASURES = ("size", "extent", "centrality")
 

@@ -15,9 +15,11 @@ from .parameters import Parameters, assignments, declared, read_values
 from .puzzle_commands import mount
 from .puzzles.parameters import PuzzleParameters
 from .retrieval_commands import mount_descriptors
+from .segment_commands import segment
 from .shape_table_commands import VoteReader, no_votes
 from .shapes.collection_parameters import CollectionParameters
 from .shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters, method_preset, preset
+from .shapes.segmentationparameters import SegmentationParameters
 from .store import default_cache, output_folder
 from .table_commands import build_tables
 
@@ -48,7 +50,8 @@ def no_studies(path: Path, source: "SegmentedShape", target: "SegmentedShape") -
 Source = Annotated[Path, Parameter(help="First mesh: OFF, OBJ, PLY, STL or GLB.")]
 Target = Annotated[Path, Parameter(help="Second mesh.")]
 SourceLabels = Annotated[Path | None, Parameter(help="One integer a face; without it, a .seg file of the same stem, "
-                                                     "labels in the mesh file, or its components.")]  # fmt: skip
+                                                     "labels in the mesh file, its components, or an automatic "
+                                                     "segmentation.")]  # fmt: skip
 TargetLabels = Annotated[Path | None, Parameter(help="The same for the second mesh.")]
 Words = Annotated[list[str] | None, Parameter(negative="", consume_multiple=True)]
 
@@ -68,6 +71,7 @@ def build_app(
     evaluate_commands.mount(app, draw)
     mount_descriptors(app)
     mount_collection(app, draw_collection)
+    app.command(segment)
 
     @app.command
     def match(
@@ -83,6 +87,8 @@ def build_app(
         parameters: Path | None = None,
         wishes: Path | None = None,
         votes: Path | None = None,
+        segments: int | None = None,
+        segmentation: str | None = None,
     ) -> None:
         """Match two meshes and write matches.json, matches.csv, parameters.json and report.html.
 
@@ -103,12 +109,16 @@ def build_app(
             A file of wishes: matches that are pinned come in any case, forbidden ones do not.
         votes
             A study file: what the majority calls correct is pinned, what it calls wrong forbidden. `--wishes` still win.
+        segments
+            Into how many segments a mesh without labels is cut (14 unless its components look like parts).
+        segmentation
+            How such a mesh is cut: parts, patches or convex; see `concord segment`.
         """
-        from .shapes.meshfile import load_shape
+        from .segment_commands import loaded
 
         named = preset or (method_preset(method) if method else DEFAULT_PRESET)
         values = chosen_parameters(named, set or (), parameters, method=method)
-        shapes = load_shape(source, source_labels), load_shape(target, target_labels)
+        shapes = loaded((source, source_labels), (target, target_labels), count=segments, method=segmentation)
         wanted = asked_wishes(wishes, votes, *shapes, judged)
         match_into(output_folder(out), shapes[0], shapes[1], values, preset_name(values, named), draw, wanted)
 
@@ -232,7 +242,8 @@ def parameter_text() -> str:
     for name, values in PRESETS.items():
         changes = ", ".join(f"{k}={v}" for k, v in values.differences(default).items()) or "the defaults"
         lines.append(f"  {name:<24}{changes}{'  [default]' if name == DEFAULT_PRESET else ''}")
-    for title, model in (("Parameters of shapes", MatchParameters), ("Parameters of collections", CollectionParameters),
+    for title, model in (("Parameters of shapes", MatchParameters), 
+                         ("Parameters of automatic segmentation", SegmentationParameters), ("Parameters of collections", CollectionParameters),
                          ("Parameters of puzzles", PuzzleParameters)):  # fmt: skip
         lines += ["", f"{title}", *_described(model)]
     return "\n".join(lines)

@@ -10,24 +10,37 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import BadInput
+from ..progress import Progress, silent
+from ..store import Cache
 from .glbfile import Part, read_glb
-from .mesh import Mesh, components
+from .mesh import Mesh, components, face_areas
 from .plyfile import read_ply
 from .polygonfile import Polygons, read_obj, read_off, read_stl, shown, whole
 from .segmentation import Segmentation, SegmentedShape, segmentation_from_labels
+from .segmentationparameters import DEFAULT, SegmentationParameters
+from .segmenting import auto_segment, origin_words
 
 MESH_SUFFIXES = (".off", ".obj", ".ply", ".stl", ".glb")
 LARGEST_FILE = 2 * 2**30
+MOST_COMPONENTS, LARGEST_COMPONENT = 100, 0.9  # in number, and as a share of the area: else they are no segments
 _SPLIT_VERTICES = (".stl", ".obj", ".glb")  # formats that often repeat a vertex for each face or part
 _READERS: dict[str, Callable[[Path], Polygons]] = {".off": read_off, ".obj": read_obj, ".ply": read_ply, ".stl": read_stl}
 
 
-def load_shape(path: Path | str, labels: Path | str | None = None) -> SegmentedShape:
+def load_shape(
+    path: Path | str,
+    labels: Path | str | None = None,
+    *,
+    automatic: SegmentationParameters | None = None,
+    progress: Progress = silent,
+    cache: Cache | None = None,
+) -> SegmentedShape:
     """Read a mesh with its segments.
 
     Labels are taken, in this order, from `labels` (one integer a face), a `.seg` file of the same stem beside the
     mesh, a face property of a PLY file (`segment` or `label`), the groups or objects of an OBJ file, the parts of a
-    GLB file; without any, the connected components are the segments, and `notes` says so.
+    GLB file. A mesh without any is segmented as `automatic` says; without that, its connected components are the
+    segments where they look like parts (2 to 100, none nearly the whole), else `DEFAULT` is used. `notes` says so.
 
     Raises
     ------
@@ -38,11 +51,15 @@ def load_shape(path: Path | str, labels: Path | str | None = None) -> SegmentedS
     beside = file.with_suffix(".seg")
     if labels is None and beside.is_file():
         labels = beside
-    polygons = _read_polygons(file)
-    triangles, face = polygons.triangles()
-    mesh = Mesh(polygons.vertices, triangles, file.stem)
-    segmentation, note = _segments(file, labels, polygons, mesh, face)
-    return SegmentedShape(mesh, segmentation, str(path), (note,) if note else ())
+    polygons, mesh, face = _read_mesh(file)
+    found = _segments(file, labels, polygons, mesh, face)
+    if found is None and automatic is None:
+        found = _component_segments(file, mesh)
+    if found is not None:
+        return SegmentedShape(mesh, found[0], str(path), (found[1],) if found[1] else ())
+    chosen = automatic or DEFAULT
+    segmentation = auto_segment(mesh, chosen, progress=progress, cache=cache)
+    return SegmentedShape(mesh, segmentation, str(path), (origin_words(mesh, segmentation, chosen),), automatic=True)
 
 
 def load_labellings(path: Path | str, labels: Sequence[Path | str]) -> tuple[Mesh, tuple[Segmentation, ...]]:
@@ -52,6 +69,20 @@ def load_labellings(path: Path | str, labels: Sequence[Path | str]) -> tuple[Mes
     triangles, face = polygons.triangles()
     found = tuple(_from_labels(file, one, face, len(polygons.sizes))[0] for one in labels)
     return Mesh(polygons.vertices, triangles, file.stem), found
+
+
+def load_mesh(path: Path | str) -> tuple[Mesh, np.ndarray]:
+    """Read a mesh without looking for labels, and for each triangle (m,) the polygon of the file that it is part of.
+
+    Raises `BadInput` as `load_shape` does.
+    """
+    return _read_mesh(_existing(path))[1:]
+
+
+def _read_mesh(file: Path) -> tuple[Polygons, Mesh, np.ndarray]:
+    polygons = _read_polygons(file)
+    triangles, face = polygons.triangles()
+    return polygons, Mesh(polygons.vertices, triangles, file.stem), face
 
 
 def read_labels(path: Path | str) -> np.ndarray:
@@ -127,8 +158,8 @@ def _of_parts(parts: list[Part]) -> Polygons:
 
 def _segments(
     file: Path, labels: Path | str | None, polygons: Polygons, mesh: Mesh, face: np.ndarray
-) -> tuple[Segmentation, str]:
-    """Segments and a sentence on where they came from; `face` (m,) is the polygon of each triangle."""
+) -> tuple[Segmentation, str] | None:
+    """Segments and a sentence on where they came from, if any; `face` (m,) is the polygon of each triangle."""
     if labels is not None:
         return _from_labels(file, labels, face, len(polygons.sizes))
     if polygons.part is not None:
@@ -136,8 +167,16 @@ def _segments(
         found = segmentation_from_labels(polygons.part[face])
         names = tuple(polygons.part_names[int(n)] for n in found.names) if polygons.part_names else found.names
         return Segmentation(found.labels, names), note
-    note = f"{mesh.name} has no labels: its connected components are the segments."
-    return segmentation_from_labels(components(mesh, merge=file.suffix.lower() in _SPLIT_VERTICES)), note
+    return None
+
+
+def _component_segments(file: Path, mesh: Mesh) -> tuple[Segmentation, str] | None:
+    """The connected components where they look like parts."""
+    found = segmentation_from_labels(components(mesh, merge=file.suffix.lower() in _SPLIT_VERTICES))
+    area = np.bincount(found.labels, face_areas(mesh))
+    if not 2 <= found.count <= MOST_COMPONENTS or area.max() > LARGEST_COMPONENT * area.sum():
+        return None
+    return found, f"{mesh.name} has no labels: its connected components are the segments."
 
 
 def _from_labels(file: Path, labels: Path | str, face: np.ndarray, count: int) -> tuple[Segmentation, str]:

@@ -46,13 +46,15 @@ def segmentation_from_labels(labels: Any) -> Segmentation:
 class SegmentedShape:
     """A mesh with its segments, as it came from a file or a generator.
 
-    `file` is what the user named, `notes` says in sentences what was assumed (for instance where labels came from).
+    `file` is what the user named, `notes` says in sentences what was assumed (for instance where labels came from);
+    `automatic` says that nobody has given the segments: they were computed from the mesh.
     """
 
     mesh: Mesh
     segmentation: Segmentation
     file: str = ""
     notes: tuple[str, ...] = ()
+    automatic: bool = False
 
     def __post_init__(self) -> None:
         have, want = len(self.segmentation.labels), len(self.mesh.faces)

@@ -114,7 +114,8 @@ def set_row(method: str, set_name: str, judged: Sequence[Judged]) -> SetRow:
         _share([f.judged * f.chance_strict if f.judged else 0 for f in figures], n),
         _share([f.transfer_right for f in figures], [f.transfer_covered for f in figures], area),
         _share([f.transfer_right for f in figures], [f.transfer_total for f in figures], area),
-        _share([c.right for c in ceilings], area, area), _share([c.right for c in ceilings], [c.total for c in ceilings], area),
+        _share([c.kept_right for c in ceilings], [c.kept for c in ceilings], area),
+        _share([c.right for c in ceilings], [c.total for c in ceilings], area),
         float(np.mean([c.strict for c in ceilings])) if ceilings else float("nan"),
         _sizes(figures), float(np.mean([s for _, _, s in known])) if known else float("nan"))  # fmt: skip
 

@@ -21,20 +21,21 @@ def test_a_mixed_segment_caps_the_transfer():
     # Source: 3 of the mixed segment by the second class, 4. Target: the first class is at best a quarter of a node, 4.
     assert most.right == pytest.approx(3 + 4 + 4 * 0.25 + 4)
     assert most.recall == pytest.approx(12 / 16)
+    assert (most.kept_right, most.kept) == pytest.approx((3 + 4 + 4, 4 + 4 + 4))
 
 
-def test_classes_that_the_other_shape_lacks_count_in_precision_only():
+def test_a_part_without_a_counterpart_lowers_no_ceiling():
     source, target = np.array([[4.0, 0], [0, 4]]), np.array([[2.0, 0], [2, 0]])
     most = ceiling(source, target, SINGLE, SINGLE)
-    assert most.right == pytest.approx(4 + 4)
-    assert (most.precision, most.recall) == pytest.approx((8 / 12, 1))
+    assert (most.right, most.kept, most.area) == pytest.approx((8, 8, 12))
+    assert (most.precision, most.recall) == (1, 1)
 
 
 def test_shapes_without_a_common_class_have_no_right_pair():
     source, target = np.array([[1.0, 0, 0], [2, 0, 0]]), np.array([[0, 1.0, 0], [0, 0, 1]])
     most = ceiling(source, target, SINGLE, SINGLE)
-    assert (most.lenient, most.strict, most.right) == (False, False, 0)
-    assert np.isnan(most.recall)
+    assert (most.lenient, most.strict, most.right, most.kept) == (False, False, 0, 0)
+    assert np.isnan([most.precision, most.recall]).all()
 
 
 def test_the_whole_shape_is_no_node():

@@ -21,7 +21,7 @@ def judged(pair, judged=4, lenient=3, right=1.0, covered=2.0, total=4.0, area=5.
     chance = 0.5 if judged else float("nan")
     sizes = (SizeClass("1", judged, lenient, lenient),) if judged else ()
     figures = Evaluation(judged, lenient, lenient, chance, chance, right, covered, total, sizes)
-    most = Ceiling(True, True, 0.8 * area, area, total)
+    most = Ceiling(True, True, 0.8 * total, total, 0.9 * area, area, area)
     return Judged(set_name, pair, method, None if failure else figures, None if failure else most, 2.0, failure)
 
 

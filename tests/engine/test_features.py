@@ -20,7 +20,6 @@ from engine.shapes.parameters import PRESETS, preset
 from engine.shapes.proposing import (
     EXACT,
     SIGNATURE,
-    SIGNATURE_SCALE,
     TRUE_DISTANCE,
     active,
     every_pair,
@@ -106,9 +105,10 @@ def test_distances_of_kept_pairs_are_those_of_the_rows(proposals):
 def test_the_distance_is_the_weighted_sum_of_its_parts(proposals):
     p = LIGHT.changed(lfd_weight=0.5, size_weight=1.5, extent_weight=0.25, centrality_weight=3.0, d2_weight=2.0, hks_weight=0.75)
     g = proposals
-    expected = (0.5 * g.lfd + 1.5 * g.size + 0.25 * g.extent + 3.0 * g.centrality + 2.0 * g.apart["d2"] + 0.75 * g.apart["hks"])  # fmt: skip
+    others = 2.0 * g.apart["d2"] + 0.75 * g.apart["hks"]
+    expected = 0.5 * g.lfd + 1.5 * g.size + 0.25 * g.extent + 3.0 * g.centrality + others
     assert geometric_distance(g, p) == pytest.approx(expected)
-    looks = (0.5 * g.lfd + TRUE_DISTANCE * (2.0 * g.apart["d2"] + 0.75 * g.apart["hks"])) / 3.25
+    looks = (0.5 * g.lfd + TRUE_DISTANCE * others) / 3.25
     assert looks_distance(g, p) == pytest.approx(looks)
 
 
@@ -136,8 +136,8 @@ def test_a_slider_gives_what_a_fresh_run_gives(shapes, proposals, changes):
     assert same(rematch(proposals, parameters), match_shapes(*shapes, parameters))
 
 
-@pytest.mark.parametrize("changes", [{"phks_weight": 2.0}, {"lfd_weight": 0.0, "a3_weight": 1.0}, {"lfd_weight": 0.0, **{
-    "extent_weight": 0.0, "centrality_weight": 0.0, "hks_weight": 1.0}}])  # fmt: skip
+@pytest.mark.parametrize("changes", [{"phks_weight": 2.0}, {"lfd_weight": 0.0, "a3_weight": 1.0},
+    {"lfd_weight": 0.0, "extent_weight": 0.0, "centrality_weight": 0.0, "hks_weight": 1.0}])  # fmt: skip
 def test_the_nearest_by_a_chosen_descriptor_are_among_the_proposals(bars, changes):
     p = LIGHT.changed(pool=30, **changes)
     every = every_pair(bars.source, bars.target, EXACT)
@@ -222,7 +222,7 @@ def test_the_number_of_threads_changes_nothing(shapes):
 def test_signatures_stand_for_light_fields_on_the_same_scale(shapes):
     source, target = (describe(shape, preset("top-down").changed(resolution=128)) for shape in shapes)
     exact, fast = (every_pair(source, target, kind).lfd for kind in (EXACT, SIGNATURE))
-    assert fast / SIGNATURE_SCALE == pytest.approx(np.minimum(fast / SIGNATURE_SCALE, 1.1 * exact))  # nearly a bound
+    assert np.median(exact / fast) == pytest.approx(1.0, abs=0.25)
     assert np.corrcoef(exact, fast)[0, 1] > 0.9
     chosen = propose(source, target, preset("top-down").changed(lfd=SIGNATURE))
     rows = chosen.pairs[:, 0] * (len(target.hops) - 1) + chosen.pairs[:, 1]

@@ -46,7 +46,7 @@ def test_heat_on_a_sphere_flows_as_its_harmonics_say(ball):
 
 def test_parts_far_apart_are_joined_once():
     rng = np.random.default_rng(0)
-    points = np.concatenate([rng.random((80, 3)), rng.random((60, 3)) + [50, 0, 0], rng.random((40, 3)) + [0, 70, 0]])
+    points = rng.random((180, 3)) + np.repeat([[0, 0, 0], [50, 0, 0], [0, 70, 0]], [80, 60, 40], axis=0)
     stiffness, mass = point_laplacian(points)
     assert connected_components(stiffness)[0] == 1
     assert stiffness @ np.ones(len(points)) == pytest.approx(np.zeros(len(points)), abs=1e-9)

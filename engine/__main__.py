@@ -242,8 +242,9 @@ def parameter_text() -> str:
     for name, values in PRESETS.items():
         changes = ", ".join(f"{k}={v}" for k, v in values.differences(default).items()) or "the defaults"
         lines.append(f"  {name:<24}{changes}{'  [default]' if name == DEFAULT_PRESET else ''}")
-    for title, model in (("Parameters of shapes", MatchParameters), 
-                         ("Parameters of automatic segmentation", SegmentationParameters), ("Parameters of collections", CollectionParameters),
+    for title, model in (("Parameters of shapes", MatchParameters),
+                         ("Parameters of automatic segmentation", SegmentationParameters),
+                         ("Parameters of collections", CollectionParameters),
                          ("Parameters of puzzles", PuzzleParameters)):  # fmt: skip
         lines += ["", f"{title}", *_described(model)]
     return "\n".join(lines)

@@ -48,6 +48,7 @@ def _shapes() -> None:
     proposals = propose(described, described, preset("top-down"))
     for name in PRESETS:
         rematch(proposals, preset(name))
+    rematch(proposals, preset("top-down").changed(d1_weight=1.0, phks_weight=1.0))
 
 
 if __name__ == "__main__":

@@ -11,13 +11,13 @@ _T, _D = (THESIS,), (TOP_DOWN,)
 _WALKS = (THESIS, BOTTOM, DIFFUSION)  # diffusion pruning in one form or another
 _MEASURED = (TOP_DOWN, THESIS, BOTTOM, HUNGARIAN, SPECTRAL, DIFFUSION)  # what looks alike by `geometric_distance`
 _GRAPH, _MLG, _LFD = "Segment graph", "Multi-layer graph", "Descriptor"
-_PROPOSE, _PRUNE, _VOTE = "Candidates", "Pruning", "Voting"
+_PROPOSE, _PRUNE, _VOTE, _FURTHER = "Candidates", "Pruning", "Voting", "Further descriptors"
 
 
 def _weight(what: str) -> Any:
     """The weight of one more descriptor, whose distance is about 1 for true pairs."""
     return parameter(0.0, f"Weight of {what}; the distance of true pairs is about 1.", low=0.0, high=5.0, step=0.1, live=True,
-                     methods=_MEASURED, group=_PROPOSE)  # fmt: skip
+                     methods=_MEASURED, group=_FURTHER)  # fmt: skip
 
 
 class MatchParameters(Parameters):
@@ -100,15 +100,6 @@ class MatchParameters(Parameters):
     centrality_weight: float = parameter(
         2.0, "Weight of |Δ log mean geodesic distance|.", low=0.0, high=10.0, step=0.1, live=True, methods=_MEASURED,
         group=_PROPOSE)  # fmt: skip
-    d1_weight: float = _weight("D1, the distances of surface points from the middle")
-    d2_weight: float = _weight("D2, the distances of two surface points")
-    d3_weight: float = _weight("D3, the areas of triangles of three surface points")
-    d4_weight: float = _weight("D4, the volumes of tetrahedra of four surface points")
-    a3_weight: float = _weight("A3, the angles of three surface points")
-    pca_weight: float = _weight("six features of the principal components, such as linearity and sphericity")
-    hks_weight: float = _weight("the mean heat kernel signature")
-    phks_weight: float = _weight("the persistent heat kernel signature")
-    volume_weight: float = _weight("relative volume and area")
     g_scale: float = parameter(
         0.5, "Scale of the weight exp(-distance/scale) of a candidate.", low=0.05, high=5.0, step=0.05, live=True,
         methods=(*_D, SPECTRAL), group=_PROPOSE)  # fmt: skip
@@ -173,6 +164,17 @@ class MatchParameters(Parameters):
         True, "Run pruning and voting again with the voted matches as anchors; this changes something only where "
         "voting dropped an anchor.", live=True, methods=_T,
         group=_VOTE)  # fmt: skip
+
+    # Further descriptors
+    d1_weight: float = _weight("D1, the distances of surface points from the middle")
+    d2_weight: float = _weight("D2, the distances of two surface points")
+    d3_weight: float = _weight("D3, the areas of triangles of three surface points")
+    d4_weight: float = _weight("D4, the volumes of tetrahedra of four surface points")
+    a3_weight: float = _weight("A3, the angles of three surface points")
+    pca_weight: float = _weight("six features of the principal components, such as linearity and sphericity")
+    hks_weight: float = _weight("the mean heat kernel signature")
+    phks_weight: float = _weight("the persistent heat kernel signature")
+    volume_weight: float = _weight("relative volume and area")
 
 
 DEFAULT_PRESET = "top-down"

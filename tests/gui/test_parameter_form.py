@@ -174,5 +174,5 @@ def test_any_group_of_parameters_makes_a_form(qtbot):
 def test_groups_that_follow_a_slider_come_first_and_keep_their_order():
     groups = list(dict.fromkeys(info.group for info in live_groups_first(declared(MatchParameters))))
     live = {info.group for info in declared(MatchParameters) if info.live}
-    assert groups[: len(live)] == ["Method", "Candidates", "Pruning", "Voting"]
+    assert groups[: len(live)] == ["Method", "Candidates", "Pruning", "Voting", "Further descriptors"]
     assert groups[len(live) :] == ["Segment graph", "Multi-layer graph", "Descriptor"]

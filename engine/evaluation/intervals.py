@@ -43,6 +43,21 @@ def clustered_interval(successes: object, trials: object, confidence: float = 0.
     return cluster_robust(k, n, confidence)
 
 
+def ratio_interval(parts: object, wholes: object, confidence: float = 0.95) -> Interval | None:
+    """The interval of sum(parts) / sum(wholes) for amounts such as areas, one entry a cluster.
+
+    None where nothing can be said: fewer than two clusters, a share of 0 or 1, or clusters of exactly equal shares.
+    """
+    n = frozen_array(wholes, np.float64, (None,), "The wholes")
+    k = frozen_array(parts, np.float64, n.shape, "The parts")
+    if (k < 0).any() or (k > n * (1 + 1e-9)).any():
+        raise BadParameter("A cluster has less than nothing or more than its whole; measure again.")
+    k, n = k[n > 0], n[n > 0]
+    if len(n) < 2 or not 0 < k.sum() < n.sum() or np.ptp(k / n) < 1e-12:
+        return None
+    return cluster_robust(k, n, confidence)
+
+
 def cluster_robust(k: np.ndarray, n: np.ndarray, confidence: float = 0.95) -> Interval:
     """Binomial GLM with only a constant, sandwich covariance over clusters, t with G - 1 degrees, back-transformed.
 

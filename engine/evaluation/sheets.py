@@ -14,9 +14,10 @@ PAIR_HEAD = (
 )  # fmt: skip
 _SHARES = ("lenient", "chance_lenient", "strict", "chance_strict", "transfer_precision", "transfer_recall",
            "ceiling_precision", "ceiling_recall")  # fmt: skip
+_WITH_INTERVAL = ("lenient", "strict", "transfer_precision", "transfer_recall")
 SET_HEAD = (
     "set", "method", "pairs", "failed", "without_match", "matches", *(f"{s}_{kind}" for s in _SHARES for kind in Share._fields),
-    *(f"{s}_interval_{end}" for s in ("lenient", "strict") for end in Interval._fields), "right_pair_exists", "seconds",
+    *(f"{s}_interval_{end}" for s in _WITH_INTERVAL for end in Interval._fields), "right_pair_exists", "seconds",
 )  # fmt: skip
 SIZE_HEAD = ("set", "method", "segments_of_larger_node", "matches", "lenient", "strict")
 TEST_HEAD = ("method", "against", "set", "measure", "pairs", "better", "worse", "equal", "mean_difference", "p_permutation",
@@ -27,7 +28,7 @@ MEANS = ("Each pair counts alike. A pair without a match has a recall of 0 and n
          "every segment takes the node that the truth says serves it best; for precision, segments that get more wrong than "
          "right even so are left out. Lenient and strict precision could be 100.")  # fmt: skip
 POOLED = ("Precision over all matches of all pairs, so that pairs with many matches count more; label transfer over all area, "
-          "each pair's area taken as 1. Intervals of 95 % take the pair as the unit of sampling.")  # fmt: skip
+          "each pair's area taken as 1. The intervals of 95 % take the pair as the unit of sampling.")  # fmt: skip
 SIZES = "Segments of the larger node of a match; lenient / strict precision of all matches pooled (their number)."
 TESTS = ("Mean difference in points, over the pairs where both methods have the figure; p of the permutation of methods within "
          "pairs and of Wilcoxon's signed ranks, two-sided, adjusted after Holm for the number of sets; none below 6 pairs.")  # fmt: skip
@@ -55,16 +56,15 @@ def means(rows: Sequence[SetRow]) -> Table:
 
 
 def pooled(rows: Sequence[SetRow]) -> Table:
-    """Micro figures with intervals."""
-    head = ("set", "method", "matches", "lenient", "95 % interval", "chance", "strict", "95 % interval", "chance",
-            "transfer precision", "transfer recall")  # fmt: skip
+    """Micro figures with intervals of 95 %."""
+    head = ("set", "method", "matches", "lenient", "chance", "strict", "chance", "transfer precision", "transfer recall")
     cells = [
-        (r.set_name, r.method, str(r.matches), percent(r.lenient.micro), _range(r.lenient_interval),
-         percent(r.chance_lenient.micro), percent(r.strict.micro), _range(r.strict_interval), percent(r.chance_strict.micro),
-         percent(r.transfer_precision.micro), percent(r.transfer_recall.micro))
+        (r.set_name, r.method, str(r.matches), _with(r.lenient, r.lenient_interval), percent(r.chance_lenient.micro, 0),
+         _with(r.strict, r.strict_interval), percent(r.chance_strict.micro, 0),
+         _with(r.transfer_precision, r.transfer_precision_interval), _with(r.transfer_recall, r.transfer_recall_interval))
         for r in rows
     ]  # fmt: skip
-    kinds = sorted({i.method for r in rows for i in (r.lenient_interval, r.strict_interval) if i})
+    kinds = sorted({i.method for r in rows for name in _WITH_INTERVAL if (i := getattr(r, f"{name}_interval"))})
     return Table("All matches pooled, in %", head, cells, 2, POOLED + (f" They are: {'; '.join(kinds)}." if kinds else ""))
 
 
@@ -119,7 +119,7 @@ def pair_values(j: Judged) -> tuple[object, ...]:
 
 def set_values(r: SetRow) -> tuple[object, ...]:
     """The values of SET_HEAD."""
-    bounds = [value for i in (r.lenient_interval, r.strict_interval) for value in (i or (None, None, None))]
+    bounds = [value for name in _WITH_INTERVAL for value in (getattr(r, f"{name}_interval") or (None, None, None))]
     return (r.set_name, r.method, r.pairs, r.failed, r.empty, r.matches, *(value for s in _SHARES for value in getattr(r, s)),
             *bounds, r.right_exists, r.seconds)  # fmt: skip
 
@@ -142,8 +142,8 @@ def _beside(share: float, chance: float) -> str:
     return f"{percent(share)} ({percent(chance, 0)})"
 
 
-def _range(interval: Interval | None) -> str:
-    return f"{percent(interval.low)} – {percent(interval.high)}" if interval else NOTHING
+def _with(share: Share, interval: Interval | None) -> str:
+    return percent(share.micro) + (f" ({percent(interval.low)} – {percent(interval.high)})" if interval else "")
 
 
 def _p(value: float | None) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from .ceiling import Ceiling
 from .correspondence import SIZE_CLASSES, Evaluation
-from .intervals import Interval, clustered_interval
+from .intervals import Interval, clustered_interval, ratio_interval
 from .paired import PairedTest, holm, paired_test
 
 ALL_SETS = "(all)"
@@ -62,7 +62,9 @@ class SetRow(NamedTuple):
     strict_interval: Interval | None
     chance_strict: Share
     transfer_precision: Share
+    transfer_precision_interval: Interval | None
     transfer_recall: Share
+    transfer_recall_interval: Interval | None
     ceiling_precision: Share
     ceiling_recall: Share
     right_exists: float
@@ -101,21 +103,22 @@ def set_rows(judged: Sequence[Judged]) -> list[SetRow]:
 
 
 def set_row(method: str, set_name: str, judged: Sequence[Judged]) -> SetRow:
-    """The figures of one method over some pairs."""
+    """The figures of one method over some pairs; intervals are those of the pooled shares."""
     known = [(j.figures, j.ceiling, j.seconds) for j in judged if j.figures is not None and j.ceiling is not None]
     figures, ceilings = [f for f, _, _ in known], [c for _, c, _ in known]
     n = np.array([f.judged for f in figures], dtype=np.int64)
-    area = [c.area for c in ceilings]
+    area = np.array([c.area for c in ceilings])
+    right = np.array([f.transfer_right for f in figures]) / area
+    covered, total = (np.array([getattr(f, name) for f in figures]) / area for name in ("transfer_covered", "transfer_total"))
     return SetRow(
         method, set_name, len(judged), len(judged) - len(known), int((n == 0).sum()), int(n.sum()),
         _share([f.lenient_correct for f in figures], n), clustered_interval([f.lenient_correct for f in figures], n),
         _share([f.judged * f.chance_lenient if f.judged else 0 for f in figures], n),
         _share([f.strict_correct for f in figures], n), clustered_interval([f.strict_correct for f in figures], n),
         _share([f.judged * f.chance_strict if f.judged else 0 for f in figures], n),
-        _share([f.transfer_right for f in figures], [f.transfer_covered for f in figures], area),
-        _share([f.transfer_right for f in figures], [f.transfer_total for f in figures], area),
-        _share([c.kept_right for c in ceilings], [c.kept for c in ceilings], area),
-        _share([c.right for c in ceilings], [c.total for c in ceilings], area),
+        _share(right, covered), ratio_interval(right, covered), _share(right, total), ratio_interval(right, total),
+        _share(np.array([c.kept_right for c in ceilings]) / area, np.array([c.kept for c in ceilings]) / area),
+        _share(np.array([c.right for c in ceilings]) / area, total),
         float(np.mean([c.strict for c in ceilings])) if ceilings else float("nan"),
         _sizes(figures), float(np.mean([s for _, _, s in known])) if known else float("nan"))  # fmt: skip
 
@@ -150,15 +153,13 @@ def _compared(
     return paired_test([found[first][pair] for pair in both], [found[second][pair] for pair in both])
 
 
-def _share(parts: Sequence[float], wholes: object, units: Sequence[float] | None = None) -> Share:
-    """Pooled share and mean share of parts (n,) in wholes (n,), in `units` (n,) where pairs have none in common."""
+def _share(parts: object, wholes: object) -> Share:
+    """Pooled share and mean share of parts (n,) in wholes (n,)."""
     part, whole = np.asarray(parts, dtype=np.float64), np.asarray(wholes, dtype=np.float64)
     some = whole > 0
     if not some.any():
         return Share(float("nan"), float("nan"))
-    unit = np.ones(len(part)) if units is None else np.asarray(units, dtype=np.float64)
-    micro = (part / unit)[some].sum() / (whole / unit)[some].sum()
-    return Share(float(micro), float((part[some] / whole[some]).mean()))
+    return Share(float(part[some].sum() / whole[some].sum()), float((part[some] / whole[some]).mean()))
 
 
 def _sizes(figures: Sequence[Evaluation]) -> tuple[SizeRow, ...]:

@@ -9,7 +9,7 @@ import pytest
 from engine.evaluation.averages import thesis_average
 from engine.evaluation.ceiling import Ceiling
 from engine.evaluation.correspondence import Evaluation, SizeClass
-from engine.evaluation.intervals import clustered_interval
+from engine.evaluation.intervals import clustered_interval, ratio_interval
 from engine.evaluation.sheets import PAIR_HEAD, SET_HEAD, TEST_HEAD, comparison_values, pair_values, set_values, tables
 from engine.evaluation.summary import ALL_SETS, Judged, comparison_rows, set_row, set_rows
 from engine.evaluation.tables import Table, percent, to_csv, to_latex, to_markdown
@@ -55,7 +55,9 @@ def test_a_pair_that_failed_is_in_no_figure_but_counted():
 def test_large_meshes_weigh_no_more_than_small_ones():
     small = judged("1", right=1.0, covered=2.0, total=2.0, area=2.0)
     large = judged("2", right=2e6, covered=2e6, total=2e6, area=2e6)
-    assert set_row("a", "lamps", [small, large]).transfer_precision.micro == pytest.approx(3 / 4)
+    row = set_row("a", "lamps", [small, large])
+    assert row.transfer_precision.micro == pytest.approx(3 / 4)
+    assert row.transfer_precision_interval == ratio_interval([0.5, 1], [1, 1])
 
 
 def test_rows_of_several_sets_end_with_one_over_all():
@@ -103,7 +105,7 @@ def test_tables_for_people_say_what_is_unknown():
     means, pooled, sizes = tables(set_rows(rows), comparison_rows(rows))
     assert means.rows[0][2:5] == ("1 (1)", "– (–)", "– (–)")
     assert "could not be matched" in means.remark
-    assert pooled.rows[0][2:5] == ("0", "–", "–")
+    assert pooled.rows[0][2:] == ("0", "–", "–", "–", "–", "–", "0.0")
     assert sizes.rows[0][2:] == ("–", "–", "–")
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from engine.errors import BadInput, BadParameter
-from engine.evaluation.intervals import Interval, clopper_pearson, cluster_robust, clustered_interval, wilson
+from engine.evaluation.intervals import Interval, clopper_pearson, cluster_robust, clustered_interval, ratio_interval, wilson
 
 
 def test_wilson_of_a_hand_value() -> None:
@@ -73,3 +73,29 @@ def test_coverage_where_pairs_differ_in_difficulty(clusters: int) -> None:
         low, high, _ = clustered_interval(rng.binomial(n, rng.beta(3.2, 0.8, clusters)), n)
         held += low <= 0.8 <= high
     assert 0.92 < held / 1500 < 0.995
+
+
+def test_the_interval_of_amounts_is_that_of_counts_on_any_scale() -> None:
+    k, n = np.array([3, 10, 0, 7, 5]), np.array([4, 11, 3, 9, 5])
+    assert ratio_interval(k, n)[:2] == pytest.approx(cluster_robust(k, n)[:2])
+    assert ratio_interval(k * 0.01, n * 0.01)[:2] == pytest.approx(ratio_interval(k, n)[:2])
+    assert ratio_interval([*k, 0.0], [*n, 0.0]) == ratio_interval(k, n)
+
+
+@pytest.mark.parametrize(("k", "n"), [([], []), ([1.0], [2.0]), ([0.0, 0.0], [1.0, 2.0]), ([1.0, 2.0], [2.0, 4.0]), ([1.0, 2.0], [1.0, 2.0])])
+def test_amounts_that_tell_nothing_of_the_spread_have_no_interval(k, n) -> None:
+    assert ratio_interval(k, n) is None
+
+
+def test_more_than_the_whole_is_refused() -> None:
+    with pytest.raises(BadParameter, match="more than its whole"):
+        ratio_interval([3.0, 1.0], [2.0, 2.0])
+
+
+def test_the_interval_of_amounts_holds_the_truth_nearly_as_often_as_it_says() -> None:
+    rng, hits = np.random.default_rng(5), 0
+    for _ in range(400):
+        n = rng.uniform(0.5, 2, 20)
+        found = ratio_interval(n * rng.beta(6, 2, 20), n)
+        hits += found.low <= 0.75 <= found.high
+    assert 0.9 < hits / 400 < 0.99

@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from engine.errors import BadInput, BadParameter
-from engine.evaluation.intervals import Interval, clopper_pearson, cluster_robust, clustered_interval, ratio_interval, wilson
+from engine.evaluation.intervals import (
+    Interval,
+    clopper_pearson,
+    cluster_robust,
+    clustered_interval,
+    ratio_interval,
+    wilson,
+)
 
 
 def test_wilson_of_a_hand_value() -> None:
@@ -82,7 +89,10 @@ def test_the_interval_of_amounts_is_that_of_counts_on_any_scale() -> None:
     assert ratio_interval([*k, 0.0], [*n, 0.0]) == ratio_interval(k, n)
 
 
-@pytest.mark.parametrize(("k", "n"), [([], []), ([1.0], [2.0]), ([0.0, 0.0], [1.0, 2.0]), ([1.0, 2.0], [2.0, 4.0]), ([1.0, 2.0], [1.0, 2.0])])
+NONE, ONE, ZERO, EQUAL, FULL = ([], []), ([1.0], [2.0]), ([0.0, 0.0], [1.0, 2.0]), ([1.0, 2.0], [2.0, 4.0]), ([1.0], [1.0])
+
+
+@pytest.mark.parametrize(("k", "n"), [NONE, ONE, ZERO, EQUAL, FULL])
 def test_amounts_that_tell_nothing_of_the_spread_have_no_interval(k, n) -> None:
     assert ratio_interval(k, n) is None
 

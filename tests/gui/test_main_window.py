@@ -581,9 +581,11 @@ def test_meshes_may_be_dropped_one_after_the_other(window, qtbot, files):
     assert not window.messages.isVisible()
 
 
-def test_three_meshes_and_labels_alone_are_explained(window):
+def test_three_meshes_that_are_not_there_and_labels_alone_are_explained(window, qtbot):
     window.files.drop(["a.off", "b.off", "c.off"])
-    assert "3 meshes" in window.messages.text.text()
+    settle(window, qtbot)
+    assert window.page == "collection"
+    assert "at least two shapes that can be read. a.off was left out" in window.messages.text.text()
     window.files.drop(["a.seg"])
     assert "label file" in window.messages.text.text()
 

@@ -97,13 +97,13 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     @app.command(name="open")
     def open_files(
-        source: Annotated[Path, Parameter(help="First mesh; or, alone, a picture to cut or a folder of pieces.")],
+        source: Annotated[Path, Parameter(help="First mesh; or, alone, a folder of meshes, a picture to cut or a folder of pieces.")],
         target: Annotated[Path | None, Parameter(help="Second mesh.")] = None,
         *,
         source_labels: SourceLabels = None,
         target_labels: TargetLabels = None,
     ) -> int:
-        """Open the window on two meshes, on a picture to be cut into pieces, or on a folder of pieces."""
+        """Open the window on two meshes, a folder of meshes, a picture to be cut into pieces, or a folder of pieces."""
         if target is None:
             return open_window((str(puzzle_path(source)),))
         first, second = (str(file) if file else None for file in (source_labels, target_labels))

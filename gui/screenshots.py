@@ -75,6 +75,7 @@ def _take(out: Path, dark: bool) -> list[Path]:
     window.shapes.step_node(1)
     shot("node")
     window.shapes.step_layer(-2)
+    _collection(window, wait, shot)
     _puzzle(window, wait, rest, shot)
     window.show_page("study")
     wait(lambda: window.study.question is not None)
@@ -89,6 +90,24 @@ def _take(out: Path, dark: bool) -> list[Path]:
     window.deleteLater()
     app.processEvents()
     return written
+
+
+def _collection(window: "MainWindow", wait: Callable, shot: Callable) -> None:
+    """The page of a collection: empty, in the colours of parts, one part lit up, the pairs, and one of them."""
+    window.show_page("collection")
+    shot("collection-empty")
+    desk = window.collection
+    desk.open_example()
+    wait(lambda: desk.session.state.found is not None and desk.page.made.view.ready)
+    shot("collection")
+    desk.step_part(1)
+    shot("collection-part")
+    desk.page.made.panel.setCurrentIndex(1)
+    window.session.update(least_support=0.5)
+    shot("collection-pairs")
+    desk.show_pair(0)
+    shot("collection-pair")
+    window.session.update(least_support=0.0)
 
 
 def _puzzle(window: "MainWindow", wait: Callable, rest: Callable, shot: Callable) -> None:

@@ -30,12 +30,14 @@ def load_modules(progress: Progress) -> None:
 
 
 def open_window(window: MainWindow, files: Sequence[str] = (), labels: Labels = (None, None)) -> None:
-    """Show the window, furnish it behind its first paint, and open two meshes, one puzzle or the example."""
+    """Show the window, furnish it behind its first paint, and open two meshes, a collection, one puzzle or the example."""
 
     def furnished(_: None) -> None:
         window.furnish()
         if len(files) == 2:
             window.files.pair(*files, labels)
+        elif files and window.collection.takes(list(files)):
+            window.collection.open(list(files))
         elif files:
             window.puzzle.drop(list(files))
         else:

@@ -83,8 +83,8 @@ def mount(app: App, draw: "PictureMaker") -> None:
     ) -> None:
         """Run methods on all pairs of a collection and judge them by the truth: tables, tests and pictures.
 
-        Writes report.html, tables.md, tables.tex, and pairs.csv, sets.csv, sizes.csv, tests.csv. Started again with
-        the same --out, only what is missing is run.
+        Writes report.html, tables and pairs as .md and .tex, and pairs.csv, sets.csv, sizes.csv, tests.csv. Started
+        again with the same --out, only what is missing is run.
 
         Parameters
         ----------

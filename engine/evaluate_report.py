@@ -35,6 +35,7 @@ def write_report(outcome: "Outcome", folder: Path, draw: "PictureMaker", picture
     write_together({
         folder / "tables.md": to_markdown(tables, lead, notes), folder / "tables.tex": to_latex(tables, lead),
         folder / "report.html": page(f"Evaluation on {outcome.collection.name}", lead, sections),
+        folder / "pairs.md": to_markdown([folded], lead), folder / "pairs.tex": to_latex([folded], lead, long=True),
         folder / "pairs.csv": to_csv(sheets.PAIR_HEAD, map(sheets.pair_values, rows)),
         folder / "sets.csv": to_csv(sheets.SET_HEAD, map(sheets.set_values, sets)),
         folder / "sizes.csv": to_csv(sheets.SIZE_HEAD, sheets.size_values(sets)),

@@ -41,16 +41,20 @@ def to_markdown(tables: Sequence[Table], lead: str, notes: Sequence[str] = ()) -
     return "\n\n".join(parts) + "\n"
 
 
-def to_latex(tables: Sequence[Table], lead: str) -> str:
-    """One `table` environment each; needs no package, and the text is in UTF-8."""
+def to_latex(tables: Sequence[Table], lead: str, *, long: bool = False) -> str:
+    """One `table` environment each, or a `longtable` (of the package of that name) that runs over pages; in UTF-8."""
     parts = ["\n".join(f"% {line}" for line in lead.splitlines())]
     for table in tables:
-        lines = [" & ".join(cell.translate(_LATEX) for cell in row) + r" \\" for row in (table.head, *table.rows)]
-        body = "\n".join([r"\hline", lines[0], r"\hline", *lines[1:], r"\hline"])
+        head, *rows = [" & ".join(cell.translate(_LATEX) for cell in row) + r" \\" for row in (table.head, *table.rows)]
         columns = "".join("r" if right else "l" for right in table.numeric)
-        caption = " ".join([table.title + ".", table.remark]).strip().translate(_LATEX)
-        parts.append("\\begin{table}\n\\centering\n\\small\n"
-                     f"\\begin{{tabular}}{{{columns}}}\n{body}\n\\end{{tabular}}\n\\caption{{{caption}}}\n\\end{{table}}")  # fmt: skip
+        caption = r"\caption{" + " ".join([table.title + ".", table.remark]).strip().translate(_LATEX) + "}"
+        if long:
+            lines = [rf"\begin{{longtable}}{{{columns}}}", caption + r" \\", r"\hline", head, r"\hline", r"\endhead",
+                     *rows, r"\hline", r"\end{longtable}"]  # fmt: skip
+        else:
+            lines = [r"\begin{table}", r"\centering", r"\small", rf"\begin{{tabular}}{{{columns}}}", r"\hline", head, r"\hline",
+                     *rows, r"\hline", r"\end{tabular}", caption, r"\end{table}"]  # fmt: skip
+        parts.append("\n".join(lines))
     return "\n\n".join(parts) + "\n"
 
 

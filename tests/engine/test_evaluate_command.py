@@ -52,8 +52,9 @@ def test_all_tables_are_written_and_a_second_run_runs_nothing(lamps, tmp_path, c
     words = (lamps, "--methods", "top-down", "thesis", "--out", out, "--jobs", "1")
     assert evaluate(*words) == 0
     assert "2 pairs of 1 family of collection, matched by top-down, thesis." in capsys.readouterr().out
-    assert {p.name for p in out.iterdir()} == {
-        "runs", "report.html", "tables.md", "tables.tex", "pairs.csv", "sets.csv", "sizes.csv", "tests.csv", "parameters.json"}  # fmt: skip
+    tables = [f"{stem}.{end}" for stem in ("tables", "pairs") for end in ("md", "tex")]
+    figures = [f"{stem}.csv" for stem in ("pairs", "sets", "sizes", "tests")]
+    assert {p.name for p in out.iterdir()} == {"runs", "report.html", "parameters.json", *tables, *figures}
     pairs, sets = rows(out / "pairs.csv"), rows(out / "sets.csv")
     assert [(r["method"], r["pair"]) for r in pairs] == [("top-down", "1 2"), ("top-down", "2 3"), ("thesis", "1 2"), ("thesis", "2 3")]
     assert [r["pairs"] for r in sets] == ["2", "2"]

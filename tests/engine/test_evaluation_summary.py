@@ -118,6 +118,8 @@ def test_markdown_and_latex_escape_what_would_break_them():
     assert r"50 \%" in latex
     assert r"\caption{A \& B.}" in latex
     assert latex.startswith("% two\n% lines\n")
+    assert latex.count("\\begin{") == latex.count("\\end{") == 2
+    assert r"\endhead" in to_latex([table], "", long=True)
     assert (percent(0.5), percent(None), percent(float("nan"))) == ("50.0", "–", "–")
 
 

@@ -50,14 +50,26 @@ def voted_wishes(handle: StudyFile, source: SegmentedShape, target: SegmentedSha
     not matter, and other labels of the same mesh are other shapes. Where two matches called correct share a union, the
     one with more votes for it is pinned.
     """
-    verdicts, known = majority(handle, round=round), (_Known(source), _Known(target))
-    with handle.reading() as connection:
-        rows = connection.execute(select(schema.item).where(schema.item.c.kind == "shape")).all()
-    found = {row.id: (verdicts[row.id], pairs) for row in rows if (pairs := _pairs(row.id, json.loads(row.payload), known))}
+    verdicts = majority(handle, round=round)
+    known = _items(handle, source, target)
+    found = {item: (verdicts[item], pairs) for item, pairs in known.items() if item in verdicts}
     pinned, excluded = _compatible((said, pairs) for said, pairs in found.values() if said.verdict == "correct")
     forbidden = tuple(pair for said, pairs in found.values() if said.verdict == "wrong" for pair in pairs)
     undecided = sum(said.verdict not in ("correct", "wrong") for said, _ in found.values())
     return VotedWishes(Wishes(pinned, forbidden), len(found), undecided, excluded)
+
+
+def known_pairs(handle: StudyFile, source: SegmentedShape, target: SegmentedShape) -> dict[str, Pair]:
+    """The matches of two shapes that a study holds, by item."""
+    return {item: pairs[0] for item, pairs in _items(handle, source, target).items()}
+
+
+def _items(handle: StudyFile, source: SegmentedShape, target: SegmentedShape) -> dict[str, tuple[Pair, ...]]:
+    """The items on two shapes and the matches that they stand for."""
+    with handle.reading() as connection:
+        rows = connection.execute(select(schema.item).where(schema.item.c.kind == "shape")).all()
+    known = _Known(source), _Known(target)
+    return {row.id: pairs for row in rows if (pairs := _pairs(row.id, json.loads(row.payload), known))}
 
 
 class _Known:

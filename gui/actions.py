@@ -28,9 +28,11 @@ class Action(NamedTuple):
 
 
 PUZZLE, OTHERS, COLLECTION = ("puzzle",), ("shapes", "study", "results"), ("collection",)
-MENUS = ("&File", "&Edit", "&View", "&Judge", "&Puzzle", "&Study", "&Help")
+SHAPES = ("shapes",)
+EDITOR = ("segments",)
+MENUS = ("&File", "&Edit", "&View", "&Judge", "Se&gments", "&Puzzle", "&Study", "&Help")
 SEPARATOR_BEFORE = {"open-folder", "open-picture", "export-figure", "export-picture", "quit", "next-match", "next-layer",
-                    "link-cameras", "dark", "undo-vote", "next-join", "truth"}  # fmt: skip
+                    "link-cameras", "dark", "undo-vote", "merge-segments", "save-segments", "pin-match", "next-join", "truth"}  # fmt: skip
 TABLE = (
     Action("open", "&File", "&Open two meshes…", ("Ctrl+O",), "mdi6.folder-open-outline", lambda w: w.files.open()),
     Action("source-labels", "&File", "&Labels of the source…", (), "", lambda w: w.files.labels(0)),
@@ -86,6 +88,33 @@ TABLE = (
     Action("unsure", "&Judge", "&Unsure", ("Space",), "", lambda w: w.answer("unsure")),
     Action("comment", "&Judge", "Co&mment on the question…", ("C",), "", lambda w: w.comment(), pages=OTHERS),
     Action("undo-vote", "&Judge", "&Take back the last vote", ("Backspace",), "", lambda w: w.undo_vote()),
+    Action("pin-match", "&Judge", "Pin the match (&keep it)", ("K",), "mdi6.pin-outline", lambda w: w.wishing.pin(), pages=SHAPES),
+    Action("forbid-match", "&Judge", "&Forbid the match", ("X",), "mdi6.cancel", lambda w: w.wishing.forbid(), pages=SHAPES),
+    Action("bind-answers", "&Judge", "Use my &answers: correct pins, wrong forbids", (), "",
+           lambda w: w.wishing.bind(not w.session.state.bound), True, SHAPES),
+    Action("votes-as-pins", "&Judge", "Use the &votes as anchors", (), "mdi6.vote-outline", lambda w: w.wishing.use_votes(), pages=SHAPES),
+    Action("open-pins", "&Judge", "&Open pinned and forbidden…", (), "", lambda w: w.wish_files.open(), pages=SHAPES),
+    Action("save-pins", "&Judge", "&Save pinned and forbidden…", (), "", lambda w: w.wish_files.save(), pages=SHAPES),
+    Action("clear-pins", "&Judge", "For&get pinned and forbidden", (), "", lambda w: w.wishing.clear(), pages=SHAPES),
+    Action("edit-source", "Se&gments", "Edit segments of the &left shape…", ("Ctrl+G",), "mdi6.shape-outline",
+           lambda w: w.segments.edit(0), pages=("shapes", *EDITOR)),
+    Action("edit-target", "Se&gments", "Edit segments of the &right shape…", ("Ctrl+Shift+G",), "",
+           lambda w: w.segments.edit(1), pages=("shapes", *EDITOR)),
+    Action("merge-segments", "Se&gments", "&Merge the selected", ("M",), "mdi6.merge", lambda w: w.segments.merge(), pages=EDITOR),
+    Action("split-segment", "Se&gments", "&Split the selected", ("S",), "mdi6.call-split", lambda w: w.segments.split(), pages=EDITOR),
+    Action("knife", "Se&gments", "&Knife: cut along a line", ("X",), "mdi6.box-cutter", lambda w: w.segments.choose_tool("cut"),
+           pages=EDITOR),
+    Action("brush", "Se&gments", "&Brush: paint faces", ("B",), "mdi6.brush", lambda w: w.segments.choose_tool("brush"), pages=EDITOR),
+    Action("new-segment", "Se&gments", "&New segment under the brush", ("N",), "mdi6.plus", lambda w: w.segments.new_segment(),
+           pages=EDITOR),
+    Action("larger-brush", "Se&gments", "Larger brush", ("]",), "", lambda w: w.segments.resize_brush(1), pages=EDITOR),
+    Action("smaller-brush", "Se&gments", "Smaller brush", ("[",), "", lambda w: w.segments.resize_brush(-1), pages=EDITOR),
+    Action("segment-again", "Se&gments", "Segment &automatically", ("F5",), "", lambda w: w.segments.segment(), pages=EDITOR),
+    Action("save-segments", "Se&gments", "Sa&ve as .seg beside the mesh", ("Ctrl+S",), "mdi6.content-save-outline",
+           lambda w: w.segments.save(), pages=EDITOR),
+    Action("save-segments-as", "Se&gments", "Save &elsewhere…", ("Ctrl+Shift+S",), "", lambda w: w.segments.save_as(), pages=EDITOR),
+    Action("segments-done", "Se&gments", "&Done: match again with these", ("Ctrl+Return",), "mdi6.check",
+           lambda w: w.segments.done(), pages=EDITOR),
     Action("solve", "&Puzzle", "&Solve, or solve again", ("F5",), "mdi6.puzzle-check-outline", lambda w: w.puzzle.solve(), pages=PUZZLE),
     Action("next-join", "&Puzzle", "&Next most doubtful join", ("N",), "", lambda w: w.puzzle.page.step_join(1), pages=PUZZLE),
     Action("previous-join", "&Puzzle", "Join &before", ("P",), "", lambda w: w.puzzle.page.step_join(-1), pages=PUZZLE),
@@ -109,6 +138,9 @@ TABLE = (
 
 
 MOUSE = {
+    "segments": (("Click", "select a segment"), ("Shift click", "select another as well"), ("Drag", "turn, paint or cut, by the tool"),
+                 ("Right drag", "turn the shape with every tool"), ("Wheel", "zoom"),
+                 ("Double click beside the shape", "usual view")),
     "shapes": (("Drag", "turn a shape"), ("Shift or right drag", "move it"), ("Wheel, two fingers", "zoom"),
                ("Double click", "usual view"), ("Click", "select a match or a segment's smallest match")),
     "collection": (("Drag", "turn all shapes"), ("Click a part", "light it up in all shapes"),

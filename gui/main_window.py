@@ -88,21 +88,25 @@ class MainWindow(QMainWindow):
         from .pages.matching import Matching
         from .pages.puzzle_desk import PuzzleDesk
         from .pages.results import ResultsPage
+        from .pages.segment_desk import SegmentDesk
         from .pages.shapes import ShapesPage
         from .pages.study import StudyPage
+        from .pages.wishing import WishFiles, Wishing
         from .session import Session, State
 
         volunteer = str(settings().value("volunteer", "me"))
         self.session = Session(State(volunteer=volunteer, dark=self._dark), self)
         self.matching = Matching(self.session, self.jobs, self)
         self.judging = Judging(self.session, self.study_jobs, self)
+        self.wishing, self.wish_files = Wishing(self.session, self.judging, self), WishFiles(self)
         self.shapes = ShapesPage(self.session, self.matching, self.judging, self)
         self.study = StudyPage(self.session, self.judging, self)
         self.results = ResultsPage(self.session, self.judging, self)
         self.puzzle = PuzzleDesk(self)
         self.collection = CollectionDesk(self)
+        self.segments = SegmentDesk(self)
         self.pages = {"shapes": self.shapes, "collection": self.collection.page, "puzzle": self.puzzle.page,
-                      "study": self.study, "results": self.results}  # fmt: skip
+                      "study": self.study, "results": self.results, "segments": self.segments.page}  # fmt: skip
         self.files = Files(self)
         self.study.who.clicked.connect(self.files.name_volunteer)
         for page in self.pages.values():
@@ -110,6 +114,7 @@ class MainWindow(QMainWindow):
             page.failed.connect(self.say)
         self._connect()
         menus.furnish_menus(self)
+        menus.furnish_wishes(self)
         self.furnished = True
         self._add_icons()
         self.show_page("shapes")
@@ -121,6 +126,9 @@ class MainWindow(QMainWindow):
         self.judging.failed.connect(self.say)
         self.shapes.view.files_dropped.connect(self.files.drop)
         self.matching.opened.connect(remember_pair)
+        self.matching.dropped.connect(self.say)
+        self.wishing.said.connect(self.say)
+        self.shapes.wish.wished.connect(lambda wish: self.wishing.pin() if wish == "pinned" else self.wishing.forbid())
         self.jobs.started.connect(lambda _: self._show_waiting())
         self.jobs.idle.connect(self._show_waiting)
         self.matching.took.connect(self._show_seconds)
@@ -132,6 +140,8 @@ class MainWindow(QMainWindow):
         """Open a bundled pair, the first without a name."""
         from assets import example_pairs
 
+        if not self.segments.may_leave():
+            return
         found, source, target = next(pair for pair in example_pairs() if name in ("", pair[0]))
         self.show_page("shapes")
         self.matching.open_pair(str(source), str(target), set_name=found)
@@ -167,11 +177,11 @@ class MainWindow(QMainWindow):
         if name == "collection":
             page.begin()
         self.stack.setCurrentWidget(page)
-        self.rail.check(name)
+        self.rail.check("shapes" if name == "segments" else name)
         actions.enable_for(self.actions_by_id, name)
         self.show_history()
         self.status.preset.setVisible(name != "puzzle")
-        desks = {"puzzle": self.puzzle, "collection": self.collection}
+        desks = {"puzzle": self.puzzle, "collection": self.collection, "segments": self.segments}
         desks[name].show_status() if name in desks else self._show_status(self.session.state)
         self.status.setVisible(name != "study" and self.rail.isVisibleTo(self))  # a volunteer sees no results
         if hasattr(page, "begin"):
@@ -200,6 +210,8 @@ class MainWindow(QMainWindow):
 
     def undo_vote(self) -> None:
         """Take back the volunteer's last vote."""
+        if self.page == "segments":
+            return
         {"study": self.study, "puzzle": self.puzzle.judging}.get(self.page, self.judging).undo()
 
     def undo(self, by: int = -1) -> None:
@@ -249,6 +261,8 @@ class MainWindow(QMainWindow):
             self.status.text.setText("Stopped.")
         elif not self.rail.isVisible():
             self.toggle_alone()
+        elif self.page == "segments":
+            self.segments.deselect()
 
     def match_again(self) -> None:
         """Start the matching that was stopped or failed."""
@@ -257,7 +271,7 @@ class MainWindow(QMainWindow):
 
     def toggle_panel(self) -> None:
         """Show or hide the right panel of the shapes, the collection or the puzzle page."""
-        panel = {"puzzle": self.puzzle.page, "collection": self.collection.page.made}.get(self.page, self.shapes).panel
+        panel = {"puzzle": self.puzzle.page, "segments": self.segments.page, "collection": self.collection.page.made}.get(self.page, self.shapes).panel
         panel.setVisible(panel.isHidden())
 
     def toggle_alone(self) -> None:
@@ -316,12 +330,15 @@ class MainWindow(QMainWindow):
                 action.setChecked(action.text() == state.preset)
         if names & {"result", "answers", "verdicts", "shown", "source", "target"}:
             self._show_status(state)
+        if "bound" in names:
+            self.actions_by_id["bind-answers"].setChecked(state.bound)
         self.show_history()
 
     @property
     def history(self) -> "Session":
         """The session whose steps are undone on the page that is shown."""
-        return {"puzzle": self.puzzle.session, "collection": self.collection.session}.get(self.page, self.session)
+        own = {"puzzle": self.puzzle, "collection": self.collection, "segments": self.segments}
+        return own[self.page].session if self.page in own else self.session
 
     def show_history(self) -> None:
         """Enable undo and redo where the page has steps."""
@@ -332,7 +349,7 @@ class MainWindow(QMainWindow):
         self.status.seconds.setText(seconds_text(seconds))
 
     def _show_status(self, state: "State") -> None:
-        if self.page in ("puzzle", "collection"):
+        if self.page in ("puzzle", "collection", "segments"):
             return
         if state.result is None:
             waiting = "Matching …" if self.jobs.busy() else "Not matched; choose Edit > Match again, or other files."
@@ -365,7 +382,7 @@ class MainWindow(QMainWindow):
 
     def _add_icons(self) -> None:
         actions.add_icons(self.actions_by_id, theme(self._dark).ink)
-        for name in self.pages:
+        for name in self.rail.buttons:
             self.rail.set_icon(name, self.actions_by_id[f"page-{name}"].icon())
 
     # --- files dropped beside the view, and the end
@@ -387,6 +404,9 @@ class MainWindow(QMainWindow):
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Cancel, wait, let votes reach the disk, give the graphics back, and only then go."""
+        if self.furnished and not self.segments.may_leave():
+            event.ignore()
+            return
         self.jobs.close()
         if self.furnished:
             self.judging.close()

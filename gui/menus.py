@@ -29,6 +29,14 @@ def furnish_menus(window: "MainWindow") -> None:
     window.status.preset.show()
 
 
+def furnish_wishes(window: "MainWindow") -> None:
+    """The menu of the button beside Pin and Forbid."""
+    menu = QMenu(window.shapes.wish.more)
+    for name in ("bind-answers", "votes-as-pins", "open-pins", "save-pins", "clear-pins"):
+        menu.addAction(window.actions_by_id[name])
+    window.shapes.wish.more.setMenu(menu)
+
+
 def _fill_examples(window: "MainWindow", menu: QMenu) -> None:
     from assets import example_pairs
 

@@ -7,9 +7,11 @@ from typing import Any, ClassVar, Self
 
 from PySide6.QtCore import QObject, Signal
 
+from engine.shapes.identity import match_id, node_id, segment_ids
 from engine.shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters
 from engine.shapes.result import Match, MatchResult
 from engine.shapes.segmentation import SegmentedShape
+from engine.shapes.wishes import NO_WISHES, Pair, Wishes
 
 LONGEST_HISTORY = 200
 
@@ -21,13 +23,15 @@ class State:
     `proposals` were prepared with `prepared_with` and serve every change of a live parameter; `result` may be older
     than `parameters` for the moment that a job takes, and `main` are the ids of its matches that say something new and
     can be drawn together. `answers` are the volunteer's own current votes and `verdicts`
-    the majorities, both by match id, as they stand in the study file. `layer` 0 shows the matches, 1..L a layer of
+    the majorities, both by match id, as they stand in the study file. `wishes` are the matches that are pinned or
+    forbidden, and where `bound` each answer makes one. `layer` 0 shows the matches, 1..L a layer of
     the multi-layer graph, `node` one node of it (-1: all). `support` holds by match id what the other shapes of a
     collection say of it, as far as that is known; matches with less than `least_support` are hidden.
     """
 
     UNDOABLE: ClassVar[tuple[str, ...]] = (
-        "source", "target", "set_name", "preset", "parameters", "proposals", "prepared_with", "result", "main")  # fmt: skip
+        "source", "target", "set_name", "preset", "parameters", "proposals", "prepared_with", "result", "main",
+        "wishes")  # fmt: skip
 
     source: SegmentedShape | None = None
     target: SegmentedShape | None = None
@@ -38,6 +42,8 @@ class State:
     prepared_with: MatchParameters | None = None
     result: MatchResult | None = None
     main: frozenset[str] = frozenset()
+    wishes: Wishes = NO_WISHES
+    bound: bool = False
     selected: str = ""
     shown: str = "main"
     order: str = "score"
@@ -58,7 +64,14 @@ class State:
 
     def match(self, match_id: str) -> Match | None:
         """The match of this id, if the result has it."""
-        return next((m for m in self.matches() if m.id == match_id), None)
+        return next((m for m in self.matches() if m.id == match_id), None) or next(
+            (m for m in self.forbidden() if m.id == match_id), None)  # fmt: skip
+
+    def forbidden(self) -> list[Match]:
+        """The forbidden matches, as if they had been found, without a score."""
+        if self.source is None or self.target is None:
+            return []
+        return forbidden_matches(self.wishes, self.source, self.target)
 
     def settled(self) -> Self:
         """The state without a selection that its result does not have."""
@@ -69,6 +82,23 @@ class State:
 def matches_of(result: MatchResult) -> list[Match]:
     """The matches of a result, which many parts of the window ask for at each change; not to be changed."""
     return result.matches()
+
+
+@lru_cache(maxsize=4)
+def _hashes(shape: SegmentedShape) -> tuple[str, ...]:
+    return segment_ids(shape.mesh, shape.segmentation)
+
+
+def identity_of(pair: Pair, source: SegmentedShape, target: SegmentedShape) -> str:
+    """The id of the match of two unions."""
+    sides = zip(pair, (source, target), strict=True)
+    return match_id(*(node_id(_hashes(shape)[i] for i in union) for union, shape in sides))
+
+
+@lru_cache(maxsize=4)
+def forbidden_matches(wishes: Wishes, source: SegmentedShape, target: SegmentedShape) -> list[Match]:
+    """What is forbidden as matches without score, votes and layers; not to be changed."""
+    return [Match(identity_of(pair, source, target), *pair, 0.0, 0, 0, 0, 0.0) for pair in wishes.forbidden]
 
 
 def difference(old: Any, new: Any) -> frozenset[str]:
@@ -112,6 +142,12 @@ class Session(QObject):
         self.state = new
         self.changed.emit(old, new, names)
         return names
+
+    def restart(self, state: Any) -> None:
+        """Begin with another state, without a way back to the one before (another shape is edited)."""
+        old, self.state = self.state, state
+        self._undo, self._redo, self._merging = [], [], ""
+        self.changed.emit(old, state, difference(old, state))
 
     def settle(self) -> None:
         """End the step that successive changes are merged into (a slider was let go)."""

@@ -9,7 +9,8 @@ from engine.shapes.result import Match, MatchResult
 if TYPE_CHECKING:
     from ..session import State
 
-SHOWN = {"main": "Main matches", "all": "All matches", "single": "One-to-one", "merged": "Merged"}
+SHOWN = {"main": "Main matches", "all": "All matches", "single": "One-to-one", "merged": "Merged",
+         "wishes": "Pinned, forbidden"}  # fmt: skip
 ORDERS = ("state", "match", "score", "votes", "layers", "support")
 SYMBOLS = {"correct": "✓", "wrong": "✗", "tie": "=", "undecided": "○", "unsure": "?"}
 
@@ -45,6 +46,11 @@ def merged(match: Match) -> bool:
     return len(match.source) > 1 or len(match.target) > 1
 
 
+def forbidden(match: Match) -> bool:
+    """Whether a match is shown only because it is forbidden: it was not found, so its nodes are of no layer."""
+    return not match.source_layer
+
+
 def state_of(match_id: str, verdicts: Mapping[str, str]) -> str:
     """'correct', 'wrong', 'tie' or 'undecided' by the majority."""
     verdict = verdicts.get(match_id, "undecided")
@@ -52,22 +58,28 @@ def state_of(match_id: str, verdicts: Mapping[str, str]) -> str:
 
 
 def main_ids(result: MatchResult) -> frozenset[str]:
-    """The matches to show first: one-to-one ones, and merged ones that do not follow from smaller ones nor overlap."""
+    """The matches to show first: one-to-one ones, merged ones that do not follow from smaller ones nor overlap, and what
+    is pinned."""
     from ..views.links import main_links
 
-    return frozenset(link.id for link in main_links(result))
+    pinned = (i for i, told in zip(result.ids, result.pinned.tolist(), strict=True) if told)
+    return frozenset([*(link.id for link in main_links(result)), *pinned])
 
 
 def shows(match: Match, shown: str, main: Container[str]) -> bool:
     """Whether a filter shows a match."""
     if shown == "main":
         return match.id in main
+    if shown == "wishes":
+        return match.pinned
     return shown == "all" or merged(match) == (shown == "merged")
 
 
 def listed(state: "State", order: str = "") -> list[Match]:
     """The matches that the list of a state shows, in its order (or another)."""
     chosen = [m for m in state.matches() if shows(m, state.shown, state.main)]
+    if state.shown == "wishes":
+        return arranged([*chosen, *state.forbidden()], order or state.order, state.verdicts, state.support)
     if state.least_support > 0 and any_known((m.id for m in state.matches()), state.support):
         chosen = [m for m in chosen if state.support.get(m.id, math.nan) >= state.least_support]
     return arranged(chosen, order or state.order, state.verdicts, state.support)
@@ -148,6 +160,12 @@ def reasons(match: Match, result: MatchResult) -> list[tuple[str, str]]:
         similarity += f"  (at least {share_text(p.lfd_threshold)} is asked)"
     score = f"{share_text(match.score)}  {meaning}"
     votes = f"{match.votes}  " + ("match contains it on both sides" if match.votes == 1 else "matches contain it on both sides")
+    if match.pinned:
+        score = f"{share_text(match.score)}  pinned; it comes in any case"
+    if forbidden(match):
+        return [("Source", _segments(result.source.segments, match.source)),
+                ("Target", _segments(result.target.segments, match.target)),
+                ("Score", "forbidden; it does not come")]  # fmt: skip
     return [
         ("Source", _side(result.source.segments, match.source, match.source_layer)),
         ("Target", _side(result.target.segments, match.target, match.target_layer)),
@@ -158,5 +176,9 @@ def reasons(match: Match, result: MatchResult) -> list[tuple[str, str]]:
 
 
 def _side(names: Sequence[int | str], segments: Sequence[int], layer: int) -> str:
+    return f"{_segments(names, segments)}  ·  layer {layer}"
+
+
+def _segments(names: Sequence[int | str], segments: Sequence[int]) -> str:
     noun = "segment" if len(segments) == 1 else "segments"
-    return f"{noun} {', '.join(str(names[k]) for k in segments)}  ·  layer {layer}"
+    return f"{noun} {', '.join(str(names[k]) for k in segments)}"

@@ -93,6 +93,8 @@ class Files(QObject):
 
     def pair(self, source: str, target: str, labels: tuple[str | None, str | None] = (None, None)) -> None:
         """Open two files by their names."""
+        if not self.window.segments.may_leave():
+            return
         self.waiting, self.chosen = "", labels
         self.window.messages.dismiss()
         self._near(source)
@@ -144,6 +146,8 @@ class Files(QObject):
 
         result = self.window.session.state.result
         self.window.attempt(lambda: write_matches(result, folder), f"Matches written to {folder}")
+        if result.wishes:
+            self.window.wish_files.write(folder / "wishes.json")
 
     def new_study(self) -> None:
         """Ask for a name and make a study file."""

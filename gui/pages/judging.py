@@ -187,7 +187,7 @@ class Judging(QObject):
         from engine.shapes.parameters import PRESETS
 
         result = state.result
-        plain = result is not None and PRESETS.get(result.preset) == result.parameters
+        plain = result is not None and PRESETS.get(result.preset) == result.parameters and not result.wishes
         if plain and self.handle is not None and any(i in state.verdicts for i in result.ids):
             self.ask(lambda handle: self._enrol(handle, result, state.set_name), lambda _: self.refreshed.emit())
 

@@ -3,14 +3,26 @@
 from typing import Any
 
 from PySide6.QtCore import QAbstractTableModel, QItemSelectionModel, QModelIndex, Qt, Signal
-from PySide6.QtGui import QColor, QResizeEvent
+from PySide6.QtGui import QColor, QIcon, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTableView, QWidget
 
 from engine.shapes.result import Match
 
+from ..actions import icon
 from ..palette import theme
 from ..session import State
-from .arrange import ORDERS, SYMBOLS, any_known, listed, match_text, share_text, short_text, state_of, support_text
+from .arrange import (
+    ORDERS,
+    SYMBOLS,
+    any_known,
+    forbidden,
+    listed,
+    match_text,
+    share_text,
+    short_text,
+    state_of,
+    support_text,
+)
 
 _HEADS = ("", "match", "score", "votes", "layers", "support")
 _SUPPORT, _LAYERS = 5, 4
@@ -61,17 +73,30 @@ class MatchModel(QAbstractTableModel):
             return self._text(match, index.column(), judged)
         if role == Qt.ItemDataRole.TextAlignmentRole:
             return _alignment(index.column())
+        if role == Qt.ItemDataRole.DecorationRole and index.column() == 1:
+            return self._wish_icon(match)
+        if role == Qt.ItemDataRole.ForegroundRole and forbidden(match) and index.column():
+            return QColor(theme(self.state.dark).soft_ink)
         if role == Qt.ItemDataRole.ForegroundRole and index.column() == 0:
             return QColor(theme(self.state.dark).state(judged))
         if role == Qt.ItemDataRole.ToolTipRole:
             own = self.state.answers.get(match.id, "not judged yet")
-            return f"{match_text(match, self.state.result)}\nmajority: {judged} · you: {own}"
+            wish = "\npinned: it comes in any case" if match.pinned else "\nforbidden: it does not come" if forbidden(match) else ""
+            return f"{match_text(match, self.state.result)}\nmajority: {judged} · you: {own}{wish}"
         return None
+
+    def _wish_icon(self, match: Match) -> QIcon | None:
+        colours = theme(self.state.dark)
+        if match.pinned:
+            return icon("mdi6.pin", colours.ink)
+        return icon("mdi6.cancel", colours.state("wrong")) if forbidden(match) else None
 
     def _text(self, match: Match, column: int, judged: str) -> str:
         symbol = SYMBOLS[judged]
         if judged == "undecided" and self.state.answers.get(match.id) == "unsure":
             symbol = SYMBOLS["unsure"]
+        if forbidden(match):
+            return (symbol, short_text(match, self.state.result), "", "", "", "")[column]
         layers = f"{match.source_layer}–{match.target_layer}"
         return (symbol, short_text(match, self.state.result), share_text(match.score), str(match.votes), layers,
                 support_text(match.id, self.state.support))[column]

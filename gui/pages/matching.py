@@ -9,8 +9,10 @@ from PySide6.QtCore import QObject, Signal
 
 from engine.parameters import declared
 from engine.progress import Progress, share
+from engine.shapes.carrying import carried
 from engine.shapes.parameters import MatchParameters, preset
 from engine.shapes.segmentation import SegmentedShape
+from engine.shapes.wishes import NO_WISHES
 from engine.store import default_cache
 
 from ..jobs import FOLLOW, Jobs
@@ -30,10 +32,18 @@ def needed(state: State) -> str:
     """What has to run so that the result is that of the inputs and parameters."""
     if state.source is None or state.target is None:
         return NOTHING
-    if state.result is not None and (state.result.parameters, state.result.preset) == (state.parameters, state.preset):
+    wanted = (state.parameters, state.preset, state.wishes)
+    if state.result is not None and (state.result.parameters, state.result.preset, state.result.wishes) == wanted:
         return NOTHING
     ready = state.proposals is not None and state.prepared_with is not None
     return REMATCH if ready and slow_values(state.prepared_with) == slow_values(state.parameters) else MATCH
+
+
+def lost_text(lost: int) -> str:
+    """What happened to wishes that other labels do not have."""
+    one = lost == 1
+    return (f"{lost} pinned or forbidden {'match does' if one else 'matches do'} not fit the new labels and "
+            f"{'was' if one else 'were'} dropped.")  # fmt: skip
 
 
 def set_name_of(path: str) -> str:
@@ -47,6 +57,8 @@ class Matching(QObject):
     opened = Signal(str, str)
     took = Signal(float)
     """seconds that the last answer took"""
+    dropped = Signal(str)
+    """a sentence on pinned or forbidden matches that other labels do not have"""
 
     def __init__(self, session: Session, jobs: Jobs, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -75,10 +87,17 @@ class Matching(QObject):
         self.jobs.start("load", work, done, words="Reading")
 
     def show_pair(self, source: SegmentedShape, target: SegmentedShape, set_name: str = "", choose: str = "") -> None:
-        """Put two shapes on the table and match them."""
+        """Put two shapes on the table and match them; wishes stay as far as the labels still have what they are about."""
+        before = self.session.state
+        wishes, lost = NO_WISHES, 0
+        if before.wishes and before.source is not None and before.target is not None:
+            wishes, lost = carried(before.wishes, (before.source, before.target), (source, target))
         chosen = {"preset": choose, "parameters": preset(choose)} if choose else {}
         self.session.update(source=source, target=target, set_name=set_name, proposals=None, prepared_with=None,
-                            result=None, main=frozenset(), selected="", layer=0, node=-1, **chosen)  # fmt: skip
+                            result=None, main=frozenset(), selected="", layer=0, node=-1, wishes=wishes, **chosen)  # fmt: skip
+        names = [shape.mesh.name for shape in (before.source, before.target) if shape is not None]
+        if lost and names == [source.mesh.name, target.mesh.name]:
+            self.dropped.emit(lost_text(lost))
 
     def edit(self, name: str, value: Any, settled: bool) -> None:
         """Change one parameter; successive changes while a hand moves are one step of the history."""
@@ -96,8 +115,9 @@ class Matching(QObject):
         self.jobs.cancel()
         self._key = ()
         result = self.session.state.result
-        if result is not None and result.parameters != self.session.state.parameters:
-            self.session.update(parameters=result.parameters, preset=result.preset or self.session.state.preset)
+        state = self.session.state
+        if result is not None and (result.parameters, result.wishes) != (state.parameters, state.wishes):
+            self.session.update(parameters=result.parameters, preset=result.preset or state.preset, wishes=result.wishes)
 
     def again(self) -> None:
         """Match the pair that is shown if that was stopped or failed."""
@@ -109,8 +129,10 @@ class Matching(QObject):
         if state.source is not None and state.target is not None and state.proposals is None:
             self._start_match(state)
 
-    def _changed(self, _old: State, state: State, names: frozenset[str]) -> None:
-        if not names & {"source", "target", "parameters", "preset", "proposals", "result"}:
+    def _changed(self, old: State, state: State, names: frozenset[str]) -> None:
+        if names & {"source", "target"} and state.wishes and state.wishes is old.wishes and self._carry(old, state):
+            return
+        if not names & {"source", "target", "parameters", "preset", "proposals", "result", "wishes"}:
             return
         what = needed(state)
         if what == NOTHING:
@@ -121,13 +143,23 @@ class Matching(QObject):
         else:
             self._start_match(state)
 
+    def _carry(self, old: State, state: State) -> bool:
+        """Let wishes follow shapes that were exchanged under them (segments edited); whether they had to change."""
+        found, lost = carried(state.wishes, (old.source, old.target), (state.source, state.target))
+        if found == state.wishes:
+            return False
+        self.session.update(record=False, wishes=found)
+        if lost:
+            self.dropped.emit(lost_text(lost))
+        return True
+
     def _start_rematch(self, state: State) -> None:
         from engine.shapes.matching import rematch
 
-        proposals, parameters, chosen = state.proposals, state.parameters, state.preset
+        proposals, parameters, chosen, wishes = state.proposals, state.parameters, state.preset, state.wishes
 
         def work(_: Progress) -> tuple[Any, frozenset[str]]:
-            result = rematch(proposals, parameters, preset=chosen)
+            result = rematch(proposals, parameters, preset=chosen, wishes=wishes)
             return result, main_ids(result)
 
         def done(answer: tuple[tuple[Any, frozenset[str]], float]) -> None:
@@ -143,6 +175,7 @@ class Matching(QObject):
             return  # under way; what is live follows when it has come
         self._key = key
         source, target, parameters, chosen, cache = state.source, state.target, state.parameters, state.preset, self.cache
+        wishes = state.wishes
 
         def work(progress: Progress) -> tuple[Any, Any, frozenset[str]]:
             from engine.shapes.matching import describe, propose, rematch
@@ -150,7 +183,7 @@ class Matching(QObject):
             first = describe(source, parameters, progress=share(progress, 0.0, 0.45), cache=cache)
             second = describe(target, parameters, progress=share(progress, 0.45, 0.9), cache=cache)
             proposals = propose(first, second, parameters, progress=share(progress, 0.9, 0.98), cache=cache)
-            result = rematch(proposals, parameters, preset=chosen)
+            result = rematch(proposals, parameters, preset=chosen, wishes=wishes)
             return proposals, result, main_ids(result)
 
         def done(answer: tuple[tuple[Any, Any, frozenset[str]], float]) -> None:

@@ -1,4 +1,4 @@
-"""The parts of the right panel: why a match was kept, and the strip with the three answers."""
+"""The parts of the right panel: why a match was kept, and the strips with the three answers and with the two wishes."""
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QFormLayout, QHBoxLayout, QLabel, QLineEdit, QPushButton, QVBoxLayout, QWidget
@@ -6,8 +6,14 @@ from PySide6.QtWidgets import QFormLayout, QHBoxLayout, QLabel, QLineEdit, QPush
 from ..palette import Theme, theme
 from ..session import State
 from .arrange import reasons, state_of, support_text
+from .wishing import count_text, wish_of
 
 ANSWER_WORDS = {"wrong": ("✗  Wrong", "F"), "unsure": ("?  Unsure", "Space"), "correct": ("✓  Correct", "J")}
+
+WISH_WORDS = {
+    "pinned": ("Pin", "K", "Keep this match: matching again takes it before all others"),
+    "forbidden": ("Forbid", "X", "Never this match; parts of it and unions that hold it may still come"),
+}
 
 
 class WhyPanel(QWidget):
@@ -107,6 +113,52 @@ class JudgeStrip(QWidget):
             button.setStyleSheet(answer_style(answer, colours, answer == given))
         if not self.code.hasFocus():
             self.code.setText(state.volunteer)
+
+
+class WishStrip(QWidget):
+    """Two buttons that pin or forbid the selected match, a menu with more, and how much is wished."""
+
+    wished = Signal(str)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.buttons: dict[str, QPushButton] = {}
+        row = QHBoxLayout()
+        row.setSpacing(4)
+        for wish, (words, key, tip) in WISH_WORDS.items():
+            button = QPushButton(f"{words}  ({key})", self, checkable=True, toolTip=tip)
+            button.setObjectName(f"wish-{wish}")
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            button.clicked.connect(lambda _=False, wish=wish: self.wished.emit(wish))
+            row.addWidget(button, 1)
+            self.buttons[wish] = button
+        self.more = QPushButton("More", self, toolTip="Wishes from answers and votes; save, open, forget")
+        self.more.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        row.addWidget(self.more, 1)
+        self.count = QLabel("", self)
+        self.count.setObjectName("soft")
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(4)
+        column.addLayout(row)
+        column.addWidget(self.count)
+
+    def show_state(self, state: State) -> None:
+        """Enable the buttons where a match is selected, mark its wish, and count."""
+        wish, colours = wish_of(state, state.selected), theme(state.dark)
+        for name, button in self.buttons.items():
+            button.setEnabled(bool(state.selected))
+            button.setChecked(name == wish)
+            button.setStyleSheet(wish_style(colours, name == wish))
+        self.more.setStyleSheet(wish_style(colours, False))
+        self.count.setText(count_text(state.wishes) + ("; my answers pin and forbid" if state.bound else ""))
+        self.count.setVisible(bool(state.wishes or state.bound))
+
+
+def wish_style(colours: Theme, on: bool) -> str:
+    """The look of a wish's button: filled with ink while the wish stands."""
+    filled = f"background: {colours.ink}; color: {colours.paper};" if on else ""
+    return f"QPushButton {{ padding: 4px; {filled} }}"
 
 
 def answer_style(answer: str, colours: Theme, given: bool, padding: int = 4) -> str:

@@ -31,7 +31,7 @@ from .judging import Judging, checked_code
 from .layers import LayerBar, Place, node_list, step_layer, step_node
 from .match_list import MatchList
 from .matching import Matching
-from .panels import JudgeStrip, WhyPanel
+from .panels import JudgeStrip, WhyPanel, WishStrip
 from .support import LeastSupport
 
 PANEL_WIDTH, PANEL_MARGIN = 340, 8
@@ -69,6 +69,7 @@ class ShapesPage(QWidget):
         self.linked = QPushButton("", self, checkable=True, toolTip="Turn both shapes together, or each on its own (L)")
         self.linked.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.list, self.why, self.judge = MatchList(self), WhyPanel(self), JudgeStrip(self)
+        self.wish = WishStrip(self)
         self.form = ParameterForm(MatchParameters, self)
         self.filter, self.presets = self._combo(SHOWN.values()), self._combo(PRESETS)
         self.least = LeastSupport(self)
@@ -127,7 +128,7 @@ class ShapesPage(QWidget):
         column.addLayout(head)
         column.addWidget(self.least)
         column.addWidget(self.list, 1)
-        for widget in (self.why, self.judge, self.notes):
+        for widget in (self.why, self.wish, self.judge, self.notes):
             column.addWidget(widget)
         return tab
 
@@ -254,12 +255,12 @@ class ShapesPage(QWidget):
             self.view.set_linked_cameras(state.linked)
             self.linked.setChecked(state.linked)
             self.linked.setText("Cameras linked" if state.linked else "Cameras free")
-        if names & {"result", "shown", "verdicts", "layer", "node", "source", "target", "support", "least_support"}:
+        if names & {"result", "shown", "verdicts", "layer", "node", "source", "target", "support", "least_support", "wishes"}:
             self.view.set_links(links_of(state))
         if shapes or names & {"layer", "node", "selected", "result", "dark", "proposals"}:
             self._show_place(state)
         if names & {"result", "shown", "order", "selected", "verdicts", "answers", "dark", "source", "target", "support",
-                    "least_support"}:  # fmt: skip
+                    "least_support", "wishes", "bound"}:  # fmt: skip
             self._show_list(state, names)
         if names & {"parameters", "preset"}:
             self._show_parameters(state)
@@ -292,9 +293,10 @@ class ShapesPage(QWidget):
         self.view.set_highlight(source, target, colour)
 
     def _show_list(self, state: State, names: frozenset[str]) -> None:
-        moved = names & {"result", "shown", "order", "source", "target", "support", "least_support"}
+        moved = names & {"result", "shown", "order", "source", "target", "support", "least_support", "wishes"}
         self.list.show_state(state, bool(moved or ("verdicts" in names and state.order.endswith("state"))))
         self.why.show_state(state)
+        self.wish.show_state(state)
         self.judge.show_state(state)
         found, rows = len(state.matches()), len(self.list.rows.rows)
         self.count.setText(f"{rows} of {found}" if rows != found else f"{found} matches" if found != 1 else "1 match")

@@ -58,8 +58,8 @@ def lay_out(
         dots = np.concatenate([source[a], target[b]])
         seen = np.concatenate([source_seen[a], target_seen[b]])
         ends = np.stack([source[a].mean(axis=0), target[b].mean(axis=0)])
-        symbol = _free_place(ends, taken) if marked(link) else ends.mean(axis=0)
-        if marked(link):
+        symbol = _free_place(ends, taken) if signed(link) else ends.mean(axis=0)
+        if signed(link):
             taken.append((float(symbol[0]), float(symbol[1])))
         hidden = not (seen[: len(a)].any() and seen[len(a) :].any())
         fold = link.id in folded
@@ -101,8 +101,13 @@ def folded(links: Sequence[Link]) -> frozenset[str]:
 
 
 def marked(link: Link) -> bool:
-    """Whether a link carries a symbol: once it is judged."""
+    """Whether a link is judged, and so drawn in the colour of its state."""
     return link.state != "undecided"
+
+
+def signed(link: Link) -> bool:
+    """Whether a link carries a symbol: once it is judged or pinned."""
+    return marked(link) or link.pinned
 
 
 def _free_place(ends: np.ndarray, taken: Sequence[tuple[float, float]]) -> np.ndarray:
@@ -124,7 +129,7 @@ def hit_outline(shapes: Sequence[LinkShape], point: np.ndarray, reach: float = R
     for shape in shapes:
         corners = shape.outline
         distance = float(distance_to_segments(point, corners, np.roll(corners, -1, axis=0)).min())
-        if marked(shape.link):
+        if signed(shape.link):
             distance = min(distance, max(0.0, float(np.hypot(*(shape.symbol - point))) - SYMBOL_ROOM / 2 + 1))
         if distance <= best_distance:
             best, best_distance = shape.link.id, distance

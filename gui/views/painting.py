@@ -9,10 +9,11 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QFont, QPainter, QPainterPath, QPen, QPolygonF
 
 from ..palette import Theme, segment_colours
-from .links import LinkShape, marked
+from .links import LinkShape, marked, signed
+from .scene import Link
 
 _DASHES = {"wrong": [5.0, 3.0], "tie": [1.0, 2.2]}
-_SYMBOL = 8.0
+_SYMBOL, _PIN, _HOLE = 8.0, 11.5, 4.0
 _FADED = 0.16
 _SYMBOL_STRENGTH = 0.8
 
@@ -38,9 +39,9 @@ def paint_links(
         paint_link(painter, shape, theme, colour, width, chosen)
     for shape in ordered:
         strength = _strength(shape, selected, hovered)
-        if marked(shape.link) and strength > _FADED:
+        if signed(shape.link) and strength > _FADED:
             painter.setOpacity(max(strength, _SYMBOL_STRENGTH))
-            _paint_symbol(painter, shape.link.state, shape.symbol, theme, QColor(theme.state(shape.link.state)))
+            _paint_symbol(painter, shape.link, shape.symbol, theme)
     painter.setOpacity(1.0)
 
 
@@ -97,11 +98,11 @@ def _own(shape: LinkShape) -> QColor:
 
 
 def line_width(shape: LinkShape, strong: bool, coloured: bool = False) -> float:
-    """Width in pixels: judged links stand out from grey ones, and a better score is a little thicker."""
+    """Width in pixels: judged links stand out from grey ones, a better score is a little thicker, a pin more."""
     if strong:
         return 4.0
     plain = 0.6 if shape.folded else 2.2 if coloured or marked(shape.link) else 1.3
-    return plain + 0.7 * float(np.clip(shape.link.score, 0.0, 1.0))
+    return plain + 0.7 * float(np.clip(shape.link.score, 0.0, 1.0)) + (1.4 if shape.link.pinned else 0.0)
 
 
 def _polygon(shape: LinkShape) -> QPainterPath:
@@ -129,18 +130,26 @@ def _paint_dots(painter: QPainter, shape: LinkShape, theme: Theme, colour: QColo
         painter.drawEllipse(QPointF(x, y), radius, radius)
 
 
-def _paint_symbol(painter: QPainter, state: str, at: np.ndarray, theme: Theme, colour: QColor) -> None:
-    """A tick, a cross or two bars in a disc, drawn as strokes so that no font is needed."""
+def _paint_symbol(painter: QPainter, link: Link, at: np.ndarray, theme: Theme) -> None:
+    """A tick, a cross or two bars in a disc, drawn as strokes so that no font is needed; a pin's head about it."""
     x, y = map(float, at)
+    if link.pinned:
+        painter.setPen(_pen(QColor(theme.halo), 1.5))
+        painter.setBrush(QColor(theme.ink))
+        painter.drawEllipse(QPointF(x, y), _PIN, _PIN)
     painter.setPen(_pen(QColor(theme.halo), 1.5))
-    painter.setBrush(colour)
+    if not marked(link):
+        painter.setBrush(QColor(theme.halo))
+        painter.drawEllipse(QPointF(x, y), _HOLE, _HOLE)
+        return
+    painter.setBrush(QColor(theme.state(link.state)))
     painter.drawEllipse(QPointF(x, y), _SYMBOL, _SYMBOL)
     painter.setPen(_pen(QColor("#FFFFFF"), 2.0))
     strokes = {
         "correct": [[(-3.6, 0.3), (-1.0, 3.0), (3.8, -2.8)]],
         "wrong": [[(-2.9, -2.9), (2.9, 2.9)], [(-2.9, 2.9), (2.9, -2.9)]],
         "tie": [[(-3.4, -1.8), (3.4, -1.8)], [(-3.4, 1.8), (3.4, 1.8)]],
-    }[state]
+    }[link.state]
     for stroke in strokes:
         painter.drawPolyline(QPolygonF([QPointF(x + u, y + v) for u, v in stroke]))
 

@@ -21,7 +21,7 @@ class Link:
     """A match as it is drawn: the segments that it joins on either side, and what was judged of it.
 
     `state` is one of `STATES`, `score` lies in [0, 1]; a `merged` link is drawn as a polygon, any other as a line.
-    One of little `support` is drawn fainter.
+    One of little `support` is drawn fainter, a `pinned` one thicker and with the head of a pin.
     """
 
     id: str
@@ -31,12 +31,13 @@ class Link:
     score: float = 1.0
     merged: bool = False
     support: float = 1.0
+    pinned: bool = False
 
 
 def link_of(match: Match, state: str = "undecided", support: float = 1.0) -> Link:
     """A match as a link, judged as `state` says; `support` in [0, 1] is that by other shapes (1 where it is unknown)."""
     merged = len(match.source) + len(match.target) > 2
-    return Link(match.id, match.source, match.target, state, match.score, merged, support)
+    return Link(match.id, match.source, match.target, state, match.score, merged, support, match.pinned)
 
 
 def links_of(result: MatchResult, states: Mapping[str, str] | None = None) -> list[Link]:

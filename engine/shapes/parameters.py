@@ -5,9 +5,9 @@ from typing import Any, Literal
 from ..errors import BadParameter
 from ..parameters import Parameters, checked, parameter
 
-THESIS, TOP_DOWN = "thesis", "top-down"
+LEARNED, THESIS, TOP_DOWN = "learned", "thesis", "top-down"
 BOTTOM, HUNGARIAN, SPECTRAL, SHED, DIFFUSION = "bottom", "hungarian", "spectral", "shed", "diffusion"
-_T, _D = (THESIS,), (TOP_DOWN,)
+_T, _D, _L = (THESIS,), (TOP_DOWN,), (LEARNED,)
 _WALKS = (THESIS, BOTTOM, DIFFUSION)  # diffusion pruning in one form or another
 _MEASURED = (TOP_DOWN, THESIS, BOTTOM, HUNGARIAN, SPECTRAL, DIFFUSION)  # what looks alike by `geometric_distance`
 _GRAPH, _MLG, _LFD = "Segment graph", "Multi-layer graph", "Descriptor"
@@ -141,16 +141,24 @@ class MatchParameters(Parameters):
         0.0, "Least entry of a match in the principal eigenvector, relative to the greatest.", low=0.0, high=1.0,
         step=0.01, live=True, methods=(SPECTRAL,), group=_PRUNE)  # fmt: skip
 
+    # Pruning: learned
+    probability_min: float = parameter(
+        0.5, "Least probability that a match is right.", low=0.0, high=1.0, step=0.01, live=True, methods=_L,
+        group=_PRUNE)  # fmt: skip
+    small_first: float = parameter(
+        0.3, "How much sooner small nodes are taken: candidates are sorted by probability / size^λ.", low=0.0, high=2.0,
+        step=0.05, symbol="λ", live=True, methods=_L, group=_PRUNE)  # fmt: skip
+
     # Pruning: top-down
     agree_from: float = parameter(
         0.7, "Agreement above which two candidates support each other.", low=0.0, high=0.99, step=0.01, live=True,
         methods=_D, group=_PRUNE)  # fmt: skip
     overlap_min: float = parameter(
         0.6, "Least agreement of overlaps with every accepted match.", low=0.0, high=1.0, step=0.01, symbol="r",
-        live=True, methods=_D, group=_PRUNE)  # fmt: skip
+        live=True, methods=(*_D, LEARNED), group=_PRUNE)  # fmt: skip
     ratio_min: float = parameter(
         0.5, "Least ratio of geodesic distances with every accepted match.", low=0.0, high=1.0, step=0.01, live=True,
-        methods=_D, group=_PRUNE)  # fmt: skip
+        methods=(*_D, LEARNED), group=_PRUNE)  # fmt: skip
     bottom_K: int = parameter(
         15, "Best bottom matches looked at for each bottom segment in the last step.", low=1, high=30, live=True,
         methods=_D, group=_PRUNE)  # fmt: skip

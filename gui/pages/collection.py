@@ -196,15 +196,15 @@ class CollectionPage(QWidget):
     def apply(self, old: CollectionState, state: CollectionState, names: frozenset[str]) -> None:
         """Draw the difference between two states."""
         found = state.found
-        self.stack.setCurrentIndex(0 if found is None else 1)
+        self.stack.setCurrentIndex(1 if state.scenes else 0)
         if "found" in names and (found is None or old.found is None):
             self.panel.setVisible(found is not None)
         if "dark" in names:
             self.view.set_theme(theme(state.dark))
-        if "scenes" in names and found is not None:
-            self.view.set_collection(state.scenes, found.names, found.parts)
-        elif "found" in names and found is not None:
-            self.view.set_parts(found.parts)
+        if names & {"scenes", "names"}:
+            self.view.set_collection(state.scenes, state.names, state.parts)
+        elif "found" in names:
+            self.view.set_parts(state.parts)
         if "found" in names:
             self._show_parts(state)
             self._show_notes(state)

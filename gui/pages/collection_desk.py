@@ -57,6 +57,7 @@ class CollectionDesk(QObject):
         self.page = Lazy(self._make, window)
         self.shapes: tuple[Any, ...] = ()
         self.failures: tuple[str, ...] = ()
+        self._scenes: dict[int, Any] = {}
         self.seconds = ""
         self.session.changed.connect(self._changed)
         window.session.changed.connect(self._follow)
@@ -90,7 +91,7 @@ class CollectionDesk(QObject):
         return bool(found) or sum(Path(path).suffix.lower() in MESH_SUFFIXES for path in paths) > 2
 
     def open(self, paths: list[str]) -> None:
-        """Read the meshes of a collection and match all pairs; what was shown before stays if that fails."""
+        """Read the meshes of a collection, show them, and match all pairs; what was shown before stays if none can be read."""
         from engine.shapes.collection_inputs import collection_files
 
         self.window.messages.dismiss()
@@ -101,15 +102,22 @@ class CollectionDesk(QObject):
             self.window.say(str(error))
             return
 
-        def read(progress: Progress) -> tuple[tuple[Any, ...], tuple[str, ...]]:
+        def read(progress: Progress) -> tuple[Any, ...]:
             from engine.shapes.collection_inputs import load_collection
+            from engine.shapes.collection_matching import unique_names
 
-            shapes, failures = load_collection(files, progress=progress)
+            from ..views.scene import prepare
+
+            shapes, failures = load_collection(files, progress=share(progress, 0.0, 0.5))
             if len(shapes) < 2:
                 raise BadInput(" ".join(["A collection needs at least two shapes that can be read.", *failures]))
-            return tuple(shapes), tuple(failures)
+            scenes = []
+            for row, shape in enumerate(shapes):
+                progress(0.5 + 0.5 * row / len(shapes), f"reading {shape.mesh.name}")
+                scenes.append(prepare(shape))
+            return tuple(shapes), unique_names([shape.mesh.name for shape in shapes]), tuple(scenes), tuple(failures)
 
-        self._start(read)
+        self.window.jobs.start("collection", read, self._show, words="Reading the collection")
 
     def open_folder(self) -> None:
         """Ask for a folder of meshes."""
@@ -136,40 +144,32 @@ class CollectionDesk(QObject):
         if not self.shapes:
             self.window.say("There is no collection to match yet; open a folder of shapes or several meshes first.")
             return
-        shapes, failures = self.shapes, self.failures
-        self._start(lambda _: (shapes, failures))
-
-    def _start(self, read: Callable[[Progress], tuple[tuple[Any, ...], tuple[str, ...]]]) -> None:
         state, own, cache = self.window.session.state, self.session.state.parameters, self.window.matching.cache
-        matching, chosen = state.parameters, state.preset
-        scenes_of = {id(shape): scene for shape, scene in zip(self._shown(), self.session.state.scenes, strict=True)}
+        matching, chosen, shapes, failures = state.parameters, state.preset, self.shapes, self.failures
 
-        def work(progress: Progress) -> tuple[Any, ...]:
+        def work(progress: Progress) -> Any:
             from engine.shapes.collection_matching import match_collection
 
-            from ..views.scene import prepare
-
-            shapes, failures = read(share(progress, 0.0, 0.05))
-            found = match_collection(shapes, matching, own, preset=chosen, failures=failures,
-                                     progress=share(progress, 0.05, 0.92), cache=cache)  # fmt: skip
-            scenes = []
-            for row, shape in enumerate(found.shapes):
-                progress(0.92 + 0.08 * row / len(found.shapes), f"drawing {shape.mesh.name}")
-                scenes.append(scenes_of.get(id(shape)) or prepare(shape))
-            return shapes, failures, found, tuple(scenes)
+            return match_collection(shapes, matching, own, preset=chosen, failures=failures, progress=progress, cache=cache)
 
         self.window.jobs.start("collection", work, self._take, words="Matching the collection", failed=self._failed)
 
-    def _shown(self) -> tuple[Any, ...]:
-        return () if self.session.state.found is None else self.session.state.found.shapes
+    def _show(self, answer: tuple[Any, ...]) -> None:
+        """Show what was read, then match it."""
+        self.shapes, names, scenes, self.failures = answer
+        self._scenes = {id(shape): scene for shape, scene in zip(self.shapes, scenes, strict=True)}
+        self.session.update(found=None, names=names, scenes=scenes, part=-1, chosen=())
+        self.again()
 
-    def _take(self, answer: tuple[Any, ...]) -> None:
-        self.shapes, self.failures, found, scenes = answer
+    def _take(self, found: "CollectionResult") -> None:
         if found.parameters != self.session.state.parameters:
             found = found.changed(self.session.state.parameters)  # a live one has moved meanwhile
         self.seconds = seconds_text(sum(found.seconds.values()))
         self.window.session.update(support=support_by_id(found))
-        self.session.update(found=found, scenes=scenes, part=-1, chosen=())
+        changes: dict[str, Any] = {"found": found, "part": -1, "chosen": ()}
+        if found.names != self.session.state.names:
+            changes |= {"names": found.names, "scenes": tuple(self._scenes[id(shape)] for shape in found.shapes)}
+        self.session.update(**changes)
         if found.failures:
             self.window.say(" ".join(found.failures))
 
@@ -190,6 +190,7 @@ class CollectionDesk(QObject):
         self.session.update(parameters=parameters)
         found = self.session.state.found
         if found is None:
+            self.again() if self.shapes and settled else None
             return
         if set(changed_values(found.parameters, parameters)) <= set(LIVE):
             self._show_live(found, parameters)
@@ -205,6 +206,8 @@ class CollectionDesk(QObject):
     def choose(self, shape: int) -> None:
         """Choose a shape for a pair; the second one opens the pair on the page of shapes."""
         chosen = self.session.state.chosen
+        if self.session.state.found is None:
+            return
         if shape in chosen:
             self.session.update(chosen=tuple(k for k in chosen if k != shape))
         elif len(chosen) != 1:
@@ -267,7 +270,7 @@ class CollectionDesk(QObject):
     def show_status(self) -> None:
         """What the status line says while the page is shown."""
         if self.window.page == "collection":
-            self.window.status.text.setText(status_text(self.session.state))
+            self.window.status.text.setText(status_text(self.session.state, self.window.jobs.busy("collection")))
             self.window.status.seconds.setText(self.seconds)
 
     def _changed(self, _old: CollectionState, _state: CollectionState, _names: frozenset[str]) -> None:

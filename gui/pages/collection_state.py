@@ -15,18 +15,27 @@ from ..views.scene import Scene
 class CollectionState:
     """A collection as it was found, the part that is lit up (-1: none), the shapes chosen for a pair, and the look.
 
-    `parameters` are those asked for; `found` may be older for the moment that a job takes.
+    `names` and `scenes` are of the shapes that are shown; until they are matched `found` is None. `parameters` are those
+    asked for; `found` may be older for the moment that a job takes.
     """
 
     UNDOABLE: ClassVar[tuple[str, ...]] = ()
 
     found: CollectionResult | None = None
+    names: tuple[str, ...] = ()
     scenes: tuple[Scene, ...] = ()
     parameters: CollectionParameters = field(default_factory=CollectionParameters)
     part: int = -1
     chosen: tuple[int, ...] = ()
     least: float = 0.0
     dark: bool = False
+
+    @property
+    def parts(self) -> tuple[np.ndarray, ...]:
+        """The part of each segment of each shape that is shown, -1 for none."""
+        if self.found is not None:
+            return self.found.parts
+        return tuple(np.full(scene.count, -1) for scene in self.scenes)
 
     def settled(self) -> Self:
         """The state as it is: nothing here is undone."""
@@ -67,11 +76,13 @@ def row_of(found: CollectionResult, chosen: tuple[int, ...]) -> int:
     return found.pairs.index(wanted) if wanted in found.pairs else -1  # type: ignore[arg-type]
 
 
-def status_text(state: CollectionState) -> str:
-    """'5 shapes · 10 pairs · 412 of 633 matches · part 3 in 4 shapes'."""
+def status_text(state: CollectionState, busy: bool = False) -> str:
+    """'5 shapes · 10 pairs · 412 of 633 matches · part 3 is in 4 of 5 shapes'."""
     found = state.found
-    if found is None:
+    if found is None and not state.scenes:
         return ""
+    if found is None:
+        return f"{len(state.scenes)} shapes · " + ("matching …" if busy else "not matched; choose Edit > Match the collection again")
     total = sum(len(result.ids) for result in found.results)
     kept = sum(kept_count(found.support(row), state.least) for row in range(len(found.pairs)))
     matches = f"{total} matches" if kept == total else f"{kept} of {total} matches"

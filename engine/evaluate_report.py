@@ -122,7 +122,8 @@ def _pictures(
                     return []
                 parts.append(f"<h3>{title}: {escape(_caption(row))}</h3>" + pictures_html(drawn))
         if parts:
-            words = "Solid links with a tick are right by the lenient rule, dashed ones with a cross wrong."
+            words = ("By lenient precision times recall of transfer. Solid links with a tick are right by the lenient rule, "
+                     "dashed ones with a cross wrong.")  # fmt: skip
             sections.append(f"<h2>Best and worst pairs of {escape(method.name)}</h2><p>{words}</p>" + "".join(parts))
     return sections
 

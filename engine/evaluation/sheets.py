@@ -26,7 +26,8 @@ TEST_HEAD = ("method", "against", "set", "measure", "pairs", "better", "worse", 
 MEANS = ("Each pair counts alike. A pair without a match has a recall of 0 and no precision: it is in the mean of recall only. "
          "Chance: the same for random pairs of the matched nodes. Ceiling: precision / recall of transfer when "
          "every segment takes the node that the truth says serves it best; for precision, segments that get more wrong than "
-         "right even so are left out. Lenient and strict precision could be 100.")  # fmt: skip
+         "right even so are left out. Lenient and strict precision could be 100. Seconds are "
+         "those of all steps of a pair; descriptors that are kept from earlier runs cost nothing, but for --cold.")  # fmt: skip
 POOLED = ("Precision over all matches of all pairs, so that pairs with many matches count more; label transfer over all area, "
           "each pair's area taken as 1. The intervals of 95 % take the pair as the unit of sampling.")  # fmt: skip
 SIZES = "Segments of the larger node of a match; lenient / strict precision of all matches pooled (their number)."

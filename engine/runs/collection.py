@@ -111,7 +111,10 @@ def families(folder: Path) -> dict[str, list[Path]]:
     if not files:
         raise BadInput(f"The folder {folder} holds no meshes ({', '.join(MESH_SUFFIXES)}); name a folder of labelled meshes.")
     groups: dict[str, list[Path]] = {}
+    stems: dict[Path, Path] = {}
     for path in sorted(files, key=lambda p: [natural(part) for part in p.relative_to(folder).parts]):
+        if stems.setdefault(path.with_suffix(""), path) != path:
+            raise BadInput(f"{stems[path.with_suffix('')]} and {path.name} would share their labels; keep one of them.")
         name = path.parent.relative_to(folder).as_posix()
         groups.setdefault(folder.resolve().name if name == "." else name, []).append(path)
     return groups

@@ -133,8 +133,14 @@ def test_folders_without_meshes_and_unknown_families(tmp_path):
         families(tmp_path / "file")
     put(tmp_path / "lamps", "1", seg=FIVE, sem=TRUTH)
     put(tmp_path / ".hidden", "1", seg=FIVE, sem=TRUTH)
-    assert list(families(tmp_path)) == ["lamps"]
-    with pytest.raises(BadInput, match="no family 'vases'; its families are lamps"):
+    assert list(families(tmp_path)) == ["lamps"]  # and not .hidden
+    (tmp_path / "twice").mkdir()
+    for end in ("off", "ply"):
+        (tmp_path / "twice" / f"1.{end}").write_text("x")
+    with pytest.raises(BadInput, match="1.off and 1.ply would share their labels"):
+        families(tmp_path / "twice")
+    (tmp_path / "twice" / "1.ply").unlink()
+    with pytest.raises(BadInput, match="no family 'vases'; its families are lamps, twice"):
         folder_collection(tmp_path, Layout(families=("vases",)))
     for pairs in ("0", "-3", "some", "1e3"):
         with pytest.raises(BadParameter, match="--pairs cannot be"):

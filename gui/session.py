@@ -98,7 +98,8 @@ def identity_of(pair: Pair, source: SegmentedShape, target: SegmentedShape) -> s
 @lru_cache(maxsize=4)
 def forbidden_matches(wishes: Wishes, source: SegmentedShape, target: SegmentedShape) -> list[Match]:
     """What is forbidden as matches without score, votes and layers; not to be changed."""
-    return [Match(identity_of(pair, source, target), *pair, 0.0, 0, 0, 0, 0.0) for pair in wishes.forbidden]
+    known = [(s, t) for s, t in wishes.forbidden if s[-1] < source.segmentation.count and t[-1] < target.segmentation.count]
+    return [Match(identity_of(pair, source, target), *pair, 0.0, 0, 0, 0, 0.0) for pair in known]
 
 
 def difference(old: Any, new: Any) -> frozenset[str]:

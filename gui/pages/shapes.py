@@ -26,7 +26,8 @@ from ..parameter_form import ParameterForm
 from ..session import Session, State
 from ..views.mesh_pair import MeshPairView
 from ..views.scene import Link, layer_colours, layer_nodes, link_of
-from .arrange import SHOWN, any_known, listed, short_notes, short_union, smallest_with, state_of
+from .arrange import SHOWN, any_known, forbidden, listed, short_notes, short_union, smallest_with, state_of
+from .automatic import AutomaticBar
 from .judging import Judging, checked_code
 from .layers import LayerBar, Place, node_list, step_layer, step_node
 from .match_list import MatchList
@@ -45,9 +46,9 @@ def as_tip(lines: Iterable[str]) -> str:
 def links_of(state: State) -> list[Link]:
     """The links to draw: those that the list shows, or those of the layer that is walked through; best on top.
 
-    A single node of a layer is shown without links.
+    A single node of a layer is shown without links, and so is what is forbidden.
     """
-    rows = listed(state, "score")
+    rows = [m for m in listed(state, "score") if not forbidden(m)]
     if state.layer and state.node >= 0:
         return []
     if state.layer:
@@ -66,6 +67,7 @@ class ShapesPage(QWidget):
         self.session, self.matching, self.judging = session, matching, judging
         self.view = MeshPairView(self)
         self.layers = LayerBar(self)
+        self.automatic = AutomaticBar(self)
         self.linked = QPushButton("", self, checkable=True, toolTip="Turn both shapes together, or each on its own (L)")
         self.linked.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.list, self.why, self.judge = MatchList(self), WhyPanel(self), JudgeStrip(self)
@@ -98,6 +100,7 @@ class ShapesPage(QWidget):
         column = QVBoxLayout()
         column.setSpacing(0)
         column.addWidget(self.view, 1)
+        column.addWidget(self.automatic)
         column.addLayout(low)
         return column
 
@@ -250,6 +253,7 @@ class ShapesPage(QWidget):
         shapes = bool(names & {"source", "target"})
         if shapes and state.source is not None and state.target is not None:
             self.view.set_shapes(state.source, state.target)
+            self.automatic.show_pair(state.source, state.target)
             self.view.set_linked_cameras(state.linked)
         if "linked" in names:
             self.view.set_linked_cameras(state.linked)

@@ -150,11 +150,13 @@ def write_matches_of(outcome: "Outcome", folder: Path) -> None:
     for i, pair in enumerate(outcome.collection.pairs):
         place = folder / "matches" / pair.family / pair.name.replace(" ", "-")
         place.mkdir(parents=True, exist_ok=True)
-        files: dict[Path, bytes | str] = {
-            place / f"{method.name}.json": json.dumps(outcome.results[i, k]["matches"], indent=1) + "\n"
-            for k, method in enumerate(outcome.methods)
-            if not outcome.results[i, k]["failure"]
-        }
+        meshes = (pair.source.mesh, pair.target.mesh) if isinstance(pair, FilePair) else (place / "source.off", place / "target.off")
+        files: dict[Path, bytes | str] = {}
+        for k, method in enumerate(outcome.methods):
+            if not outcome.results[i, k]["failure"]:
+                found = {**outcome.results[i, k]["matches"]}
+                found |= {side: {**found[side], "file": str(mesh)} for side, mesh in zip(("source", "target"), meshes, strict=True)}
+                files[place / f"{method.name}.json"] = json.dumps(found, indent=1) + "\n"
         if not isinstance(pair, FilePair) or not pair.source.labels:
             files |= _made(load_pair(pair), place, meshes=not isinstance(pair, FilePair))
         write_together(files, synced=False)

@@ -124,6 +124,18 @@ def test_the_files_are_judged_alike_by_the_independent_judge(lamps, tmp_path):
         agree(row, judged_by(module, place / "top-down.json", *ends))
 
 
+def test_kept_matches_name_the_meshes_and_are_those_of_match(lamps, tmp_path):
+    out = tmp_path / "out"
+    assert evaluate("generated", "--families", "vases", "--segments", "5", "--out", out, "--keep-matches", "--jobs", "1") == 0
+    kept = json.loads((out / "matches" / "vases" / "0-touching" / "top-down.json").read_text())
+    meshes = [kept[side]["file"] for side in ("source", "target")]
+    assert [Path(mesh).name for mesh in meshes] == ["source.off", "target.off"]
+    assert main(["match", *meshes, "--preset", "top-down", "--out", str(tmp_path / "match")]) == 0
+    again = json.loads((tmp_path / "match" / "matches.json").read_text())
+    assert again["matches"] == kept["matches"]
+    assert again["source"] == kept["source"]
+
+
 def test_what_cannot_be_matched_is_named_not_dropped(lamps, tmp_path, capsys):
     out = tmp_path / "out"
     words = ("generated", "--families", "lamps", "--segments", "12", "--set", "most_segments=10", "--out", out, "--jobs", "1")

@@ -22,13 +22,24 @@ def with_nodes(described: DescribedShape, members: np.ndarray) -> DescribedShape
     members = np.unique(members, axis=0)
     if not len(members):
         return described
-    p, count = described.parameters, len(described.layers.members)
+    count = len(described.layers.members)
     order = np.concatenate([np.arange(count - 1), count + np.arange(len(members)), [count - 1]])
     layers, joined = _layers(described, members, order)
-    descriptors = np.concatenate([described.descriptors, light_fields_of(described.shape, members, p)])[order]
+    new = _light_fields(described, members)
     measures = measure(described.shape, described.graph, layers.members, described.measures.between)
     return replace(described, layers=layers, hops=_hops(described.hops, joined)[np.ix_(order, order)], measures=measures,
-                   descriptors=descriptors, signatures=quantile_signatures(descriptors))  # fmt: skip
+                   descriptors=np.concatenate([described.descriptors, new])[order],
+                   signatures=np.concatenate([described.signatures, quantile_signatures(new)])[order])  # fmt: skip
+
+
+def _light_fields(described: DescribedShape, members: np.ndarray) -> np.ndarray:
+    """Descriptors of the unions, drawn when first asked for."""
+    keys = ["light field " + row.tobytes().hex() for row in np.packbits(members, axis=1)]
+    missing = np.array([key not in described.kept for key in keys])
+    if missing.any():
+        found = light_fields_of(described.shape, members[missing], described.parameters)
+        described.kept.update(zip((key for key, new in zip(keys, missing, strict=True) if new), found, strict=True))
+    return np.stack([described.kept[key] for key in keys])
 
 
 def _layers(described: DescribedShape, new: np.ndarray, order: np.ndarray) -> tuple[MultiLayerGraph, np.ndarray]:
@@ -63,11 +74,11 @@ def _layers(described: DescribedShape, new: np.ndarray, order: np.ndarray) -> tu
 def _hops(hops: np.ndarray, joined: np.ndarray) -> np.ndarray:
     """Hop distances (k + q, k + q) uint8 with new nodes whose edges are `joined` >= 0; those among the k stay."""
     count, new = len(hops), len(joined)
-    far = np.full((count + new, count + new), UNREACHABLE, dtype=np.int64)
+    far = np.full((count + new, count + new), UNREACHABLE, dtype=np.uint8)
     far[:count, :count] = hops
-    for a in range(new):
-        ends = np.flatnonzero(joined[a, : count + a] >= 0)
-        row = 1 + far[ends, : count + a].min(axis=0) if len(ends) else np.full(count + a, UNREACHABLE)
-        far[count + a, : count + a] = far[: count + a, count + a] = np.minimum(row, UNREACHABLE)
-        far[count + a, count + a] = 0
-    return far.astype(np.uint8)
+    for a in range(count, count + new):
+        ends = np.flatnonzero(joined[a - count, :a] >= 0)
+        nearest = far[ends, :a].min(axis=0, initial=UNREACHABLE)
+        far[a, :a] = far[:a, a] = np.where(nearest < UNREACHABLE, nearest, UNREACHABLE - 1) + 1
+        far[a, a] = 0
+    return far

@@ -1,6 +1,6 @@
 """Wishes put into proposals: pinned pairs that are missing are added, and all are marked for the methods."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -23,13 +23,15 @@ def with_wishes(proposals: Proposals, wishes: Wishes) -> Proposals:
     check_segments(wishes, len(source.segment_ids), len(target.segment_ids))
     source = with_nodes(source, _members((s for s, _ in wishes.pinned), len(source.segment_ids)))
     target = with_nodes(target, _members((t for _, t in wishes.pinned), len(target.segment_ids)))
-    pinned = _pairs(wishes.pinned, source, target)
-    extra = pinned[~np.isin(_code(pinned), _code(proposals.pairs))]
+    pinned, barred = (_pairs(pairs, source, target) for pairs in (wishes.pinned, wishes.forbidden))
+    extra = pinned[_rows(proposals, pinned) < 0]
     if len(extra) or source is not proposals.source or target is not proposals.target:
         proposals = with_pairs(proposals, source, target, extra)
-    code = _code(proposals.pairs)
-    barred = np.isin(code, _code(_pairs(wishes.forbidden, source, target)))
-    return replace(proposals, pinned=np.isin(code, _code(pinned)), barred=barred)
+    marks = np.zeros((2, len(proposals.pairs)), dtype=bool)
+    for mark, pairs in zip(marks, (pinned, barred), strict=True):
+        rows = _rows(proposals, pairs)
+        mark[rows[rows >= 0]] = True
+    return replace(proposals, pinned=marks[0], barred=marks[1])
 
 
 def _members(nodes: Iterable[Node], count: int) -> np.ndarray:
@@ -37,13 +39,18 @@ def _members(nodes: Iterable[Node], count: int) -> np.ndarray:
     return np.array([np.isin(np.arange(count), node) for node in nodes], dtype=bool).reshape(-1, count)
 
 
-def _pairs(pairs: Iterable[Pair], source: DescribedShape, target: DescribedShape) -> np.ndarray:
+def _pairs(pairs: Sequence[Pair], source: DescribedShape, target: DescribedShape) -> np.ndarray:
     """Rows of the nodes of those pairs (q, 2) that both graphs have."""
-    rows = [{tuple(np.flatnonzero(m).tolist()): k for k, m in enumerate(shape.layers.members)} for shape in (source, target)]
-    found = [(rows[0][s], rows[1][t]) for s, t in pairs if s in rows[0] and t in rows[1]]
-    return np.array(found, dtype=np.int64).reshape(-1, 2)
+    found = np.full((len(pairs), 2), -1, dtype=np.int64)
+    for side, shape in enumerate((source, target)):
+        known = {row.tobytes(): k for k, row in enumerate(np.packbits(shape.layers.members, axis=1))}
+        wanted = np.packbits(_members((pair[side] for pair in pairs), len(shape.segment_ids)), axis=1)
+        found[:, side] = [known.get(row.tobytes(), -1) for row in wanted]
+    return found[(found >= 0).all(axis=1)]
 
 
-def _code(pairs: np.ndarray) -> np.ndarray:
-    """One number for each pair."""
-    return pairs[:, 0] << 32 | pairs[:, 1]
+def _rows(proposals: Proposals, pairs: np.ndarray) -> np.ndarray:
+    """Rows (q,) of pairs (q, 2) among the proposals, -1 for those that are not there."""
+    known, wanted = (p[:, 0] << 32 | p[:, 1] for p in (proposals.pairs, pairs))
+    rows = np.minimum(np.searchsorted(known, wanted), len(known) - 1)
+    return np.where(known[rows] == wanted, rows, -1)

@@ -3,24 +3,28 @@
     python tests/benchmarks/speed.py [--quick]
 
 Prints, for generated pairs of about 14, 20 and 30 segments, the seconds of each step with an empty cache (cold) and
-with a filled one (warm); the time of a re-run (affinity, pruning, voting) at 200 and 1000 nodes for both methods;
-descriptors and distances a second; and ratios against plain implementations of the same equations. Best of three.
+with a filled one (warm); the time of a re-run (affinity, pruning, voting) at 200, 1000 and 3000 nodes, without and with
+matches that people have pinned or forbidden; descriptors and distances a second; and ratios against plain
+implementations of the same equations. Best of three.
 """
 
 import argparse
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
 
 from engine.shapes.agreement import affinity_degrees, affinity_table, isometry, overlap_agreement, overlap_scores
 from engine.shapes.families import make_pair
+from engine.shapes.guided import with_wishes
 from engine.shapes.hops import hop_distances
 from engine.shapes.lightfield import axis_permutations, light_field_descriptors, light_field_distances
 from engine.shapes.matching import describe, match_shapes, propose, rematch
-from engine.shapes.parameters import preset
+from engine.shapes.parameters import MatchParameters, preset
+from engine.shapes.proposing import Proposals
+from engine.shapes.wishes import NO_WISHES, Wishes
 from engine.store import Cache
 from engine.warm import main as warm_up
 
@@ -49,17 +53,28 @@ def steps() -> None:
                       f"{result.source_nodes:>4} + {result.target_nodes:<4} nodes  {state}: {total:6.3f} s  ({parts})")  # fmt: skip
 
 
-def reruns() -> None:
-    """Milliseconds of everything that a slider can touch, at 200 and 1000 nodes."""
-    for nodes in (200, 1000):
-        pair = make_pair("animals", 3, segments=(20, 20))
+def reruns(sizes: Sequence[int] = (200, 1000, 3000)) -> None:
+    """Milliseconds of everything that a slider can touch, and of a new wish: matching again in full, wishes put in anew."""
+    for nodes in sizes:
+        pair = make_pair("animals", 3, segments=(24, 24))
         p = preset("top-down").changed(node_cap=nodes)
         described = [describe(shape, p) for shape in (pair.source, pair.target)]
         proposals = propose(*described, p)
         count = tuple(len(d.layers.members) for d in described)
         for name in ("thesis-rigid", "thesis-nonrigid", "top-down"):
-            seconds = best(partial(rematch, proposals, preset(name)), 5)
-            print(f"re-run at {count[0]} x {count[1]} nodes, {name:<16}: {1000 * seconds:7.1f} ms")
+            free = rematch(proposals, preset(name)).matches()
+            found = [(m.source, m.target) for m in free]
+            strange = ((tuple(range(0, 20, 2)), tuple(range(1, 21, 2))),)  # unions that no graph holds
+            wanted = {"": NO_WISHES, "10 pinned, 10 forbidden": Wishes(tuple(found[:10]), tuple(found[10:20])),
+                      "a pin outside the graphs": Wishes(strange)}  # fmt: skip
+            for words, wishes in wanted.items():
+                seconds = best(partial(_again, proposals, preset(name), wishes), 5)
+                print(f"re-run at {count[0]} x {count[1]} nodes, {name:<16}{words:<26}: {1000 * seconds:7.1f} ms")
+
+
+def _again(proposals: Proposals, parameters: MatchParameters, wishes: Wishes) -> None:
+    with_wishes.cache_clear()
+    rematch(proposals, parameters, wishes=wishes)
 
 
 def descriptors() -> None:

@@ -58,7 +58,8 @@ def test_matches_are_named_by_the_labels_of_the_input(result):
 
 def test_filters_part_the_matches():
     shown = {name: [m.id for m in MATCHES if shows(m, name, {"a", "c"})] for name in SHOWN}
-    assert shown == {"main": ["a", "c"], "all": ["a", "b", "c"], "single": ["a"], "merged": ["b", "c"]}
+    assert shown == {"main": ["a", "c"], "all": ["a", "b", "c"], "single": ["a"], "merged": ["b", "c"],
+                     "wishes": []}
     assert [merged(m) for m in MATCHES] == [False, True, True]
 
 

@@ -75,12 +75,11 @@ def task(pair: Pair, methods: Sequence[Method], *, cold: bool = False) -> Task:
 
 @lru_cache(maxsize=1)
 def code_digest() -> str:
-    """A hash of the code that results depend on: results of other code are made anew, not mixed with these."""
+    """A hash of the code and fitted numbers that results depend on: results of other code are made anew, not mixed with these."""
     engine = Path(__file__).resolve().parents[1]
-    files = [*sorted((engine / "shapes").rglob("*.py")), *sorted((engine / "consistency").rglob("*.py")),
-             *(engine / name for name in _SOURCES)]  # fmt: skip
+    folders = [file for name in ("shapes", "consistency") for file in sorted((engine / name).rglob("*.*"))]
     hasher = hashlib.sha256()
-    for file in files:
+    for file in [file for file in folders if "__pycache__" not in file.parts] + [engine / name for name in _SOURCES]:
         hasher.update(file.relative_to(engine).as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
     return hasher.hexdigest()
 

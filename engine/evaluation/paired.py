@@ -60,7 +60,7 @@ def _permutation(x: np.ndarray, y: np.ndarray) -> float:
     def statistic(a: np.ndarray, b: np.ndarray, axis: int = -1) -> np.ndarray:
         return np.mean(b - a, axis=axis)
 
-    found = permutation_test((x, y), statistic, permutation_type="samples", vectorized=True, n_resamples=RESAMPLES,
+    found = permutation_test((x, y), statistic, permutation_type="samples", vectorized=True, n_resamples=RESAMPLES, batch=1000,
                              rng=np.random.default_rng(0))  # fmt: skip
     return float(found.pvalue)
 

@@ -14,6 +14,7 @@ from .scene import Scene
 
 FINE = 2  # pixels of a tile for each of the picture, along either side
 _WHITE = 214
+_GROUND = -1
 _HEIGHT, _TURN = 20.0, 30.0
 
 
@@ -64,14 +65,17 @@ def groups(parts: np.ndarray) -> np.ndarray:
 
 def coloured(tile: Tile, colours: np.ndarray, group: np.ndarray, theme: Theme) -> QImage:
     """The tile in the colours (s, 3) of its segments, with lines between pixels of different groups (s,)."""
-    ground = rgb(theme.paper).astype(np.float32)
-    table = np.concatenate([colours.astype(np.float32), ground[None]])  # row -1 is the ground
-    light = np.where(tile.segments >= 0, tile.light, 1.0)
-    pixels = table[tile.segments] * light[..., None]
-    pixels[_lines(np.append(group, np.iinfo(np.int64).min)[tile.segments])] *= 0.35 if theme.dark else 0.45
     h, w = tile.segments.shape
-    small = np.clip(pixels, 0, 255).reshape(h // FINE, FINE, w // FINE, FINE, 3).mean(axis=(1, 3)).astype(np.uint8)
-    return QImage(np.ascontiguousarray(small).data, w // FINE, h // FINE, 3 * (w // FINE), QImage.Format.Format_RGB888).copy()
+    table = np.concatenate([colours, rgb(theme.paper)[None]]).astype(np.float32)  # row -1 is the ground
+    light = np.where(tile.segments >= 0, tile.light, np.float32(1))
+    numbers = np.unique(group, return_inverse=True)[1].astype(np.int32)
+    light[_lines(np.append(numbers, np.int32(_GROUND))[tile.segments])] *= 0.35 if theme.dark else 0.45
+    small = np.zeros((h // FINE, w // FINE, 3), np.float32)
+    for y in range(FINE):
+        for x in range(FINE):
+            small += np.minimum(table[tile.segments[y::FINE, x::FINE]] * light[y::FINE, x::FINE, None], 255)
+    pixels = np.ascontiguousarray((small / FINE**2).astype(np.uint8))
+    return QImage(pixels.data, w // FINE, h // FINE, 3 * (w // FINE), QImage.Format.Format_RGB888).copy()
 
 
 def segment_at(tile: Tile, x: float, y: float) -> int:
@@ -83,11 +87,10 @@ def segment_at(tile: Tile, x: float, y: float) -> int:
 
 def _lines(group: np.ndarray) -> np.ndarray:
     """Pixels (h, w) bool where the surface passes from one group to another; the outline of the shape is none."""
-    ground = np.iinfo(np.int64).min
     out = np.zeros(group.shape, bool)
     for axis in (0, 1):
         a, b = np.moveaxis(group, axis, 0)[:-1], np.moveaxis(group, axis, 0)[1:]
-        differ = (a != b) & (a != ground) & (b != ground)
+        differ = (a != b) & (a != _GROUND) & (b != _GROUND)
         view = np.moveaxis(out, axis, 0)
         view[:-1] |= differ
         view[1:] |= differ

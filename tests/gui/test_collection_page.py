@@ -110,6 +110,19 @@ def test_a_mesh_that_cannot_be_read_is_named_and_the_others_are_shown(window, fi
     assert window.messages.text.text().startswith("bad.off was left out")
 
 
+def test_a_shape_in_one_segment_is_shown_until_it_turns_out_useless(window, files, qtbot, tmp_path, make_bar):
+    files.append(write_bar(tmp_path, make_bar(1), "whole"))
+    seen = []
+    window.collection.session.changed.connect(lambda _old, new, _names: seen.append((new.found is None, new.names)))
+    window.files.drop(files)
+    settle(window, qtbot)
+    assert seen[0] == (True, ("bar 4", "bar 5", "bar 6", "whole"))
+    assert "matching" in window.status.text.text() or state(window).found is not None
+    assert state(window).names == ("bar 4", "bar 5", "bar 6") == state(window).found.names
+    assert len(drawn(window, qtbot).scenes) == 3
+    assert window.messages.text.text().startswith("whole was left out: whole has one single segment")
+
+
 def test_too_few_good_meshes_leave_what_was_shown(ready, qtbot, tmp_path):
     before = state(ready).found
     folder = tmp_path / "bad"
@@ -138,7 +151,8 @@ def test_the_work_can_be_stopped_and_started_again(window, files, qtbot, monkeyp
     settle(window, qtbot)
     qtbot.waitUntil(lambda: window.jobs._running is None, timeout=30_000)
     assert state(window).found is None
-    window.files.drop(files)
+    assert "3 shapes · not matched" in window.status.text.text()
+    window.actions_by_id["match-collection"].trigger()
     settle(window, qtbot)
     assert state(window).found is not None
 

@@ -15,7 +15,7 @@ from .report import Picture, html_table, page, pictures_html
 from .runs.judging import Method, judged, matched
 from .runs.pairs import FilePair, LabelledPair, Pair, load_pair
 from .shapes.families.collection import integer_lines, off_text
-from .shapes.truth import lenient_answers
+from .shapes.truth import counts, lenient_answers
 from .store import default_cache, write_together
 
 if TYPE_CHECKING:
@@ -123,17 +123,19 @@ def _pictures(
                 parts.append(f"<h3>{title}: {escape(_caption(row))}</h3>" + pictures_html(drawn))
         if parts:
             words = ("By lenient precision times recall of transfer. Solid links with a tick are right by the lenient rule, "
-                     "dashed ones with a cross wrong.")  # fmt: skip
+                     "dashed ones with a cross wrong; matches of a whole shape are not judged.")  # fmt: skip
             sections.append(f"<h2>Best and worst pairs of {escape(method.name)}</h2><p>{words}</p>" + "".join(parts))
     return sections
 
 
 def _drawn(pair: Pair, method: Method, draw: "PictureMaker") -> list[Picture]:
-    """Pictures of one pair, its matches coloured by the lenient verdict."""
+    """Pictures of one pair, its matches marked by the lenient verdict where they are judged."""
     loaded = load_pair(pair)
     result = matched(loaded, method, default_cache())
     answers = lenient_answers(loaded.source, loaded.target, loaded.source_label, loaded.target_label, result)
-    states = {match: "correct" if right else "wrong" for match, right in zip(result.ids, answers, strict=True)}
+    judged = counts(loaded.source, loaded.target, result)
+    states = {match: "correct" if right else "wrong" for match, right, is_judged in zip(result.ids, answers, judged, strict=True)
+              if is_judged}  # fmt: skip
     return draw(loaded.source, loaded.target, result, states)
 
 
@@ -141,7 +143,8 @@ def _caption(row: Judged) -> str:
     e = row.figures
     if e is None or not e.judged:
         return f"{row.set_name} {row.pair}, no match that can be judged"
-    return (f"{row.set_name} {row.pair}, {e.judged} matches, lenient {percent(e.lenient)} %, strict {percent(e.strict)} %, "
+    number = "1 match" if e.judged == 1 else f"{e.judged} matches"
+    return (f"{row.set_name} {row.pair}, {number}, lenient {percent(e.lenient)} %, strict {percent(e.strict)} %, "
             f"transfer {percent(e.transfer_precision)} / {percent(e.transfer_recall)} %")  # fmt: skip
 
 

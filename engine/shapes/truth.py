@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import frozen_array
 from ..errors import BadInput
-from ..evaluation.correspondence import Evaluation, evaluate_tables
+from ..evaluation.correspondence import WHOLE, Evaluation, evaluate_tables
 from .mesh import face_areas
 from .result import MatchResult
 from .segmentation import SegmentedShape
@@ -57,6 +57,15 @@ def evaluate_result(
     """Judge all matches of a result."""
     pairs = [(match.source, match.target) for match in result.matches()]
     return evaluate_matches(source, target, source_label, target_label, pairs)
+
+
+def counts(source: SegmentedShape, target: SegmentedShape, result: MatchResult) -> list[bool]:
+    """Whether each match of a result is judged, best first: matches of a (nearly) whole shape never are."""
+    judged = np.ones(len(result.ids), dtype=bool)
+    for shape, members in ((source, result.source_members), (target, result.target_members)):
+        area = np.bincount(shape.segmentation.labels, face_areas(shape.mesh), minlength=shape.segmentation.count)
+        judged &= members @ area <= WHOLE * area.sum()
+    return judged.tolist()
 
 
 def lenient_answers(

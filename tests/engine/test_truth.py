@@ -2,6 +2,7 @@
 
 import importlib.util
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from engine.evaluation.correspondence import evaluate_tables
 from engine.shapes.families import make_pair, write_pair
 from engine.shapes.mesh import Mesh, face_areas
 from engine.shapes.segmentation import SegmentedShape, segmentation_from_labels
-from engine.shapes.truth import evaluate_matches, label_table
+from engine.shapes.truth import counts, evaluate_matches, label_table, lenient_answers
 
 JUDGE = Path(__file__).resolve().parents[3] / "shared" / "tools" / "judge_matches.py"
 
@@ -97,3 +98,17 @@ def test_areas_of_a_generated_pair_add_up_to_the_surface():
     assert table.sum() == pytest.approx(face_areas(pair.source.mesh).sum())
     e = evaluate_tables(table, table, [((k,), (k,)) for k in range(len(table))])
     assert e.lenient == e.strict == 1
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_counts_and_is_right_adds_up_to_the_figures(seed):
+    pair = make_pair("lamps", seed)
+    matches = random_matches(pair, seed, 30)
+    s, t = pair.source.segmentation.count, pair.target.segmentation.count
+    sides = [np.array([np.isin(np.arange(n), match[side]) for match in matches]) for side, n in enumerate((s, t))]
+    result = SimpleNamespace(ids=range(len(matches)), source_members=sides[0], target_members=sides[1])
+    judged = counts(pair.source, pair.target, result)
+    right = lenient_answers(pair.source, pair.target, pair.source_label, pair.target_label, result)
+    e = evaluate_matches(pair.source, pair.target, pair.source_label, pair.target_label, matches)
+    assert not judged[-1]
+    assert (sum(judged), sum(np.array(judged) & right)) == (e.judged, e.lenient_correct)

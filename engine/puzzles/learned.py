@@ -1,17 +1,17 @@
 """The calibrated probability of a join: small networks fitted to pictures with known truth.
 
 `learned.json` is written by `tests/benchmarks/puzzle_training.py`, which also prints how well the fit does on pictures
-that it was not fitted to. A network is a list of layers with rectified linear units between, after its inputs were
-brought to mean 0 and deviation 1, and a logistic function at the end.
+that it was not fitted to. See `networks` for their form; a logistic function is at
+the end.
 """
 
-import json
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..networks import log_odds, logistic, read_networks
 from ..progress import Progress, share
 from .candidates import Candidates, border_features, context_features, exclusive, gallagher_ratio, looks_of
 from .measures import Strips, dissimilarity_of_pairs
@@ -23,22 +23,12 @@ MOST = 6  # candidates of a side that loops are sought among
 @lru_cache(maxsize=1)
 def weights() -> dict[str, Any]:
     """The fitted numbers, with arrays for lists."""
-    return json.loads(FILE.read_text(encoding="utf-8"), object_hook=_arrays)
-
-
-def _arrays(entry: dict[str, Any]) -> dict[str, Any]:
-    return {
-        k: np.array(v, dtype=np.float32) if k in ("mean", "scale", "weights", "bias") else v for k, v in entry.items()
-    }
+    return read_networks(FILE)
 
 
 def network(net: dict[str, Any], inputs: np.ndarray) -> np.ndarray:
     """The output (c,) float64 in (0, 1) of a network for inputs (c, f)."""
-    values = (inputs - net["mean"]) / net["scale"]
-    for layer in net["layers"][:-1]:
-        values = np.maximum(values @ layer["weights"] + layer["bias"], 0)
-    last = net["layers"][-1]
-    return 1 / (1 + np.exp(-(values @ last["weights"] + last["bias"])[:, 0].astype(np.float64)))
+    return logistic(log_odds(net, inputs)[:, 0])
 
 
 def learned_probability(

@@ -8,8 +8,9 @@ from .baselines import match_bottom, match_diffusion, match_hungarian, match_spe
 from .describing import DescribedShape, Stopwatch, describe
 from .guided import with_wishes
 from .identity import match_id, node_id
-from .parameters import BOTTOM, DIFFUSION, HUNGARIAN, SHED, SPECTRAL, THESIS, TOP_DOWN, MatchParameters
-from .proposing import Proposals, propose, widened
+from .learnedmatching import match_learned
+from .parameters import BOTTOM, DIFFUSION, HUNGARIAN, LEARNED, SHED, SPECTRAL, THESIS, TOP_DOWN, MatchParameters
+from .proposing import Proposals, propose, widened, with_judgement
 from .result import MatchResult
 from .segmentation import SegmentedShape
 from .shed import match_shed
@@ -20,6 +21,7 @@ from .wishes import NO_WISHES, Wishes
 __all__ = ["DescribedShape", "Proposals", "describe", "match_shapes", "propose", "rematch"]
 
 METHODS = {
+    LEARNED: match_learned,
     THESIS: match_thesis,
     TOP_DOWN: match_top_down,
     BOTTOM: match_bottom,
@@ -63,7 +65,7 @@ def rematch(
     """
     watch = Stopwatch()
     with watch("pruning and voting"):
-        proposals = widened(proposals, parameters)
+        proposals = with_judgement(proposals) if parameters.method == LEARNED else widened(proposals, parameters)
         proposals = with_wishes(proposals, wishes) if wishes else proposals
         rows, score, similarity, votes = METHODS[parameters.method](proposals, parameters)
     assert np.isin(np.flatnonzero(proposals.pinned), rows).all(), "a pinned match is missing"

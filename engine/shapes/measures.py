@@ -74,7 +74,7 @@ def segment_geodesics(shape: SegmentedShape, *, points: int, seed: int) -> np.nd
     """
     count = shape.segmentation.count
     places, owner = sample_surface(shape, max(points, 3 * count), seed, least=3)
-    between = dijkstra(_neighbour_graph(places), directed=False)
+    between = dijkstra(neighbour_graph(places), directed=False)
     of = np.zeros((count, len(places)))
     of[owner, np.arange(len(places))] = 1.0
     of /= of.sum(axis=1, keepdims=True)
@@ -84,7 +84,7 @@ def segment_geodesics(shape: SegmentedShape, *, points: int, seed: int) -> np.nd
     return mean / max(float(share @ mean @ share), 1e-300)
 
 
-def _neighbour_graph(points: np.ndarray) -> coo_array:
+def neighbour_graph(points: np.ndarray) -> coo_array:
     """Each point joined to its nearest 8, and leftover pieces joined by their closest points."""
     count = len(points)
     distance, index = KDTree(points).query(points, min(_NEIGHBOURS + 1, count))

@@ -23,10 +23,11 @@ def _weight(what: str) -> Any:
 class MatchParameters(Parameters):
     """Every number of the shape pipeline. Symbols and equations are those of the thesis, chapter 3."""
 
-    method: Literal["thesis", "top-down", "bottom", "hungarian", "spectral", "shed", "diffusion"] = parameter(
-        TOP_DOWN, "How matches are chosen: the thesis's two-stage diffusion pruning, or top-down agreement; of single "
-        "segments by the thesis's first stage, the Hungarian method, spectral matching, or SHED (one-to-many); or of "
-        "all nodes by the full rule of diffusion pruning.", live=True, group="Method")  # fmt: skip
+    method: Literal["learned", "thesis", "top-down", "bottom", "hungarian", "spectral", "shed", "diffusion"] = parameter(
+        TOP_DOWN, "How matches are chosen: by probabilities that were fitted to shapes with known truth, the thesis's "
+        "two-stage diffusion pruning, or top-down agreement; of single segments by the thesis's first stage, the "
+        "Hungarian method, spectral matching, or SHED (one-to-many); or of all nodes by the full rule of diffusion "
+        "pruning.", live=True, group="Method")  # fmt: skip
 
     # Segment graph
     adjacency: Literal["auto", "shared", "proximity"] = parameter(
@@ -192,6 +193,7 @@ _THESIS_NONRIGID: dict[str, Any] = {**_THESIS_RIGID, "delta_1": 0.8, "delta_2": 
 PRESETS: dict[str, MatchParameters] = {
     name: checked(MatchParameters, values)
     for name, values in {
+        "learned": {"method": LEARNED},
         "top-down": {"method": TOP_DOWN},
         "thesis-rigid": _THESIS_RIGID,
         "thesis-nonrigid": _THESIS_NONRIGID,

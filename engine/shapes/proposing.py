@@ -5,13 +5,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..progress import Progress, silent
+from ..progress import Progress, share, silent
 from ..store import Cache, cache_key
 from .agreement import pack
 from .describing import DescribedShape, Stopwatch
 from .features import FEATURES, SCALES, FeatureDistances, row_distances
+from .learned import Judged, judge
 from .lightfield import VIEWS, light_field_distances, signature_distances
-from .parameters import MatchParameters
+from .parameters import LEARNED, MatchParameters
 
 SIGNATURE, EXACT = "signature", "exact"
 SIGNATURE_SCALE = 1.35  # exact distances of true pairs are about so much larger than those of their signatures
@@ -27,7 +28,8 @@ class Proposals:
     `extent` and `centrality` (c,) = |Δ log| of the measures; `bottom` (c,) bool where both nodes are segments. All
     pairs of segments are there; the whole shapes are not. `packed_source`, `packed_target`: see `agreement.pack`.
     `pinned` and `barred` (c,) bool are the pairs that people have judged: every method takes all pinned pairs, before
-    anything else, and never a barred one. `kind` says whether `lfd` is exact or that of the quantile signatures.
+    anything else, and never a barred one. `kind` says whether `lfd` is exact or that of the quantile signatures. `judged`
+    are the probabilities of those pairs that the learned method chooses from, once it has been asked for.
     """
 
     source: DescribedShape
@@ -44,6 +46,7 @@ class Proposals:
     barred: np.ndarray
     seconds: dict[str, float] = field(default_factory=dict)
     kind: str = EXACT
+    judged: Judged | None = None
     _memory: dict[object, object] = field(default_factory=dict, init=False)  # of these very pairs: not for `replace`
 
     @property
@@ -103,11 +106,14 @@ def propose(
         pairs = _pool(source, target, parameters.pool)
     progress(0.2, "light field distances")
     with watch("distances"):
-        lfd = _distances(source, target, pairs, parameters.lfd, progress, cache)
+        lfd = _distances(source, target, pairs, parameters.lfd, share(progress, 0.0, 0.4), cache)
     packed = pack(source.measures), pack(target.measures)
     found = _measured(source, target, pairs, lfd, packed, watch.seconds, parameters.lfd)
     with watch("further descriptors"):
         widened(found, parameters)
+    if parameters.method == LEARNED:
+        with watch("judging pairs"):
+            with_judgement(found, progress=share(progress, 0.4, 1.0))
     return found
 
 
@@ -134,14 +140,36 @@ def widened(proposals: Proposals, p: MatchParameters) -> Proposals:
     key = (names, p.lfd_weight > 0, p.pool)
     if key not in proposals._memory:
         extra = _near_otherwise(proposals, names, p)
-        known = proposals.pairs[:, 0] << 32 | proposals.pairs[:, 1]
-        extra = extra[~np.isin(extra[:, 0] << 32 | extra[:, 1], known)]
-        more = with_pairs(proposals, proposals.source, proposals.target, extra)
-        old = np.searchsorted(more.pairs[:, 0] << 32 | more.pairs[:, 1], known)
-        judged = [np.zeros(len(more.pairs), dtype=bool) for _ in range(2)]
-        judged[0][old], judged[1][old] = proposals.pinned, proposals.barred
-        proposals._memory[key] = replace(more, pinned=judged[0], barred=judged[1])
+        proposals._memory[key] = _with_more(proposals, extra)
     return proposals._memory[key]  # type: ignore[return-value]
+
+
+def with_judgement(proposals: Proposals, *, progress: Progress = silent) -> Proposals:
+    """The proposals with the probabilities of the learned method, and the pairs that it looks at among them.
+
+    Takes about a second where it was not done before; the same object when asked again.
+    """
+    if proposals.judged is not None:
+        return proposals
+    if LEARNED not in proposals._memory:
+        judged = judge(proposals.source, proposals.target, progress=progress)
+        proposals._memory[LEARNED] = replace(_with_more(proposals, judged.pairs), judged=judged)
+    return proposals._memory[LEARNED]  # type: ignore[return-value]
+
+
+def codes(pairs: np.ndarray) -> np.ndarray:
+    """One number (c,) int64 for each pair (c, 2), ascending where the pairs are sorted."""
+    return pairs[:, 0] << 32 | pairs[:, 1]
+
+
+def _with_more(proposals: Proposals, extra: np.ndarray) -> Proposals:
+    """The proposals and those of the pairs `extra` (e, 2) that are not there yet; all marks stay."""
+    known = codes(proposals.pairs)
+    more = with_pairs(proposals, proposals.source, proposals.target, extra[~np.isin(codes(extra), known)])
+    old = np.searchsorted(codes(more.pairs), known)
+    marks = [np.zeros(len(more.pairs), dtype=bool) for _ in range(2)]
+    marks[0][old], marks[1][old] = proposals.pinned, proposals.barred
+    return replace(more, pinned=marks[0], barred=marks[1])
 
 
 def _near_otherwise(proposals: Proposals, names: Sequence[str], p: MatchParameters) -> np.ndarray:
@@ -171,7 +199,8 @@ def with_pairs(proposals: Proposals, source: DescribedShape, target: DescribedSh
     order = np.lexsort((pairs[:, 1], pairs[:, 0]))
     packed = (proposals.packed_source if source is proposals.source else pack(source.measures),
               proposals.packed_target if target is proposals.target else pack(target.measures))  # fmt: skip
-    return _measured(source, target, pairs[order], lfd[order], packed, proposals.seconds, proposals.kind)
+    found = _measured(source, target, pairs[order], lfd[order], packed, proposals.seconds, proposals.kind)
+    return replace(found, judged=proposals.judged)
 
 
 def open_rows(proposals: Proposals) -> np.ndarray:

@@ -66,7 +66,7 @@ def make_shape(family: str, seed: int, *, variant: str = "touching", pose: str =
     rng = np.random.default_rng([seed, zlib.crc32(family.encode())])
     solids = FAMILIES[family](rng)
     turn = random_rotation(rng)
-    vertices, faces, part = _welded(solids) if variant == "welded" else _touching(solids)
+    vertices, faces, part = welded(solids) if variant == "welded" else touching(solids)
     label = np.array([LABELS[family].index(solid.name) for solid in solids])[part]
     part = np.unique(part, return_inverse=True)[1].ravel()
     if pose == "turned":
@@ -88,7 +88,7 @@ def random_rotation(rng: np.random.Generator) -> np.ndarray:
     return q * np.linalg.det(q)
 
 
-def _touching(solids: list[Solid]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def touching(solids: list[Solid]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """All parts side by side in one mesh, about `TOUCHING_FACES` in all."""
     edge = float(np.sqrt(_area(solids) / TOUCHING_FACES * 4 / np.sqrt(3)))
     meshes = [loft(solid, edge) for solid in solids]
@@ -98,7 +98,7 @@ def _touching(solids: list[Solid]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             np.repeat(np.arange(len(meshes)), [len(f) for _, f in meshes]))  # fmt: skip
 
 
-def _welded(solids: list[Solid]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def welded(solids: list[Solid]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """One surface, about `WELDED_FACES` of it; the cell stays below the thinnest part."""
     cell = float(np.clip(np.sqrt(3 * _area(solids) / WELDED_FACES), FINEST_CELL, COARSEST_CELL))
     return weld([loft(solid, 0.03) for solid in solids], cell)

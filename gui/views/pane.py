@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (registers the drawing back end)
 from PySide6.QtGui import QImage
@@ -114,6 +116,11 @@ class Pane:
         self._border.GetMapper().SetInputDataObject(lines)
         self._dirty = True
 
+    def set_labels(self, labels: np.ndarray) -> None:
+        """Cut the same surface up in another way, (m,) int; the colours come with `set_colours`."""
+        if self.scene is not None:
+            self.scene, self._colours = replace(self.scene, labels=labels), None
+
     def set_theme(self, theme: Theme, transparent: bool = False) -> None:
         """Paper and border colours; a transparent background for figures."""
         self.renderer.SetBackground(*(np.zeros(3) if transparent else rgb(theme.paper) / 255))
@@ -212,6 +219,11 @@ class Pane:
 
     def pick(self, x: float, y: float) -> int | None:
         """The segment under a position, or None beside the shape."""
+        face = self.pick_face(x, y)
+        return None if face is None else int(self.scene.labels[face])  # type: ignore[union-attr]
+
+    def pick_face(self, x: float, y: float) -> int | None:
+        """The face under a position, or None beside the shape."""
         if self.scene is None or self._image is None:
             return None
         inverse = np.linalg.inv(self._matrix())
@@ -220,7 +232,7 @@ class Pane:
         share, sub, cell = reference(0.0), reference(0), reference(-1)
         hit = self._locator.IntersectWithLine(
             near[:3] / near[3], far[:3] / far[3], 1e-9, share, [0.0] * 3, [0.0] * 3, sub, cell)  # fmt: skip
-        return int(self.scene.labels[cell.get()]) if hit else None
+        return int(cell.get()) if hit else None
 
     # --- the camera
 

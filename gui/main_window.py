@@ -82,6 +82,7 @@ class MainWindow(QMainWindow):
 
     def furnish(self) -> None:
         """Make session, pages and menus; the modules that this imports should be loaded already."""
+        from .pages.automatic import Automatic
         from .pages.collection_desk import CollectionDesk
         from .pages.files import Files
         from .pages.judging import Judging
@@ -105,6 +106,7 @@ class MainWindow(QMainWindow):
         self.puzzle = PuzzleDesk(self)
         self.collection = CollectionDesk(self)
         self.segments = SegmentDesk(self)
+        self.automatic = Automatic(self.session, self.jobs, self.matching, self)
         self.pages = {"shapes": self.shapes, "collection": self.collection.page, "puzzle": self.puzzle.page,
                       "study": self.study, "results": self.results, "segments": self.segments.page}  # fmt: skip
         self.files = Files(self)
@@ -125,6 +127,8 @@ class MainWindow(QMainWindow):
         self.session.changed.connect(self._changed)
         self.judging.failed.connect(self.say)
         self.shapes.view.files_dropped.connect(self.files.drop)
+        self.shapes.automatic.numbered.connect(self.automatic.number)
+        self.shapes.automatic.edited.connect(self.segments.edit)
         self.matching.opened.connect(remember_pair)
         self.matching.dropped.connect(self.say)
         self.wishing.said.connect(self.say)
@@ -271,7 +275,8 @@ class MainWindow(QMainWindow):
 
     def toggle_panel(self) -> None:
         """Show or hide the right panel of the shapes, the collection or the puzzle page."""
-        panel = {"puzzle": self.puzzle.page, "segments": self.segments.page, "collection": self.collection.page.made}.get(self.page, self.shapes).panel
+        own = {"puzzle": self.puzzle.page, "segments": self.segments.page, "collection": self.collection.page.made}
+        panel = own.get(self.page, self.shapes).panel
         panel.setVisible(panel.isHidden())
 
     def toggle_alone(self) -> None:

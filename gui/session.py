@@ -105,7 +105,7 @@ def forbidden_matches(wishes: Wishes, source: SegmentedShape, target: SegmentedS
 def difference(old: Any, new: Any) -> frozenset[str]:
     """Names of the fields in which two states of one kind differ."""
     pairs = ((name, getattr(old, name), getattr(new, name)) for name in type(old).__slots__)
-    return frozenset(name for name, a, b in pairs if a is not b and a != b)
+    return frozenset(name for name, a, b in pairs if a is not b and (a != b) is not False)  # other arrays are a change
 
 
 class Session(QObject):

@@ -6,6 +6,7 @@ After Tam, Martin, Rosin & Lai (2014), as the thesis simplifies it (section 3.4.
 from collections.abc import Callable
 
 import numpy as np
+from numba import njit
 
 
 def stationary(degree: np.ndarray) -> np.ndarray:
@@ -62,6 +63,16 @@ def _beside(
     a: int, left: np.ndarray, pairs: np.ndarray, conflicts: Callable[[int, np.ndarray], np.ndarray]
 ) -> np.ndarray:
     """The rows of `left` that can stand beside the accepted row a."""
-    near = pairs[left]
-    left = left[(near[:, 0] != pairs[a, 0]) & (near[:, 1] != pairs[a, 1])]
+    left = _one_to_one(pairs, a, left)
     return left[~conflicts(a, left)]
+
+
+@njit(cache=True, nogil=True)
+def _one_to_one(pairs, a, left):  # type: ignore[no-untyped-def]
+    """Those of the rows `left` that share no end with the row a."""
+    found, count = np.empty_like(left), 0
+    for row in left:
+        if pairs[row, 0] != pairs[a, 0] and pairs[row, 1] != pairs[a, 1]:
+            found[count] = row
+            count += 1
+    return found[:count]

@@ -66,6 +66,18 @@ def _degrees(pairs, starts, d_source, d_target, table):  # type: ignore[no-untyp
 
 
 @njit(cache=True, nogil=True)
+def affinity_total(pairs, d_source, d_target, table):  # type: ignore[no-untyped-def]
+    """Sum of all affinities between the matches `pairs` (p, 2), each with each, without the diagonal."""
+    total = 0.0
+    for a in range(len(pairs)):
+        for b in range(len(pairs)):
+            p, q = d_source[pairs[a, 0], pairs[b, 0]], d_target[pairs[a, 1], pairs[b, 1]]
+            if p < table.shape[0] and q < table.shape[1]:
+                total += table[p, q]
+    return total
+
+
+@njit(cache=True, nogil=True)
 def hop_clashes(i, j, pairs, others, d_source, d_target, clash):  # type: ignore[no-untyped-def]
     """Which candidates `others` (rows of `pairs`) clash with the match (i, j): `clash` by the hops on either side."""
     out = np.empty(len(others), dtype=np.bool_)
@@ -133,7 +145,7 @@ def _overlap_sums(rows, columns, g, source, target, floor):  # type: ignore[no-u
         sums, unused = np.zeros(width, np.float32), np.zeros(width, np.float32)
         for first in range(part * width, count, parts * width):
             size = min(width, count - first)
-            _spread(source, rows[first : first + size], s)
+            _spread(source[: rows[: first + size].max() + 1], rows[first : first + size], s)
             _spread(target, columns[first : first + size], t)
             weight = g[first : first + size].copy()
             sums[:] = 0

@@ -52,5 +52,4 @@ def _search(rows: np.ndarray, count: int) -> np.ndarray:
 
 def diameter(distances: np.ndarray) -> int:
     """The largest distance D between nodes that reach each other."""
-    reached = distances[distances != UNREACHABLE]
-    return int(reached.max()) if len(reached) else 0
+    return max(0, int((distances + np.uint8(1)).max(initial=0)) - 1)  # unreachable ones turn over to zero

@@ -5,7 +5,7 @@ import numpy as np
 from ..consistency.candidates import k_best
 from ..consistency.diffusion import greedy, stationary
 from ..consistency.voting import nesting, vote
-from .agreement import affinity_degrees, affinity_table, hop_clashes, isometry
+from .agreement import affinity_degrees, affinity_table, affinity_total, hop_clashes, isometry
 from .hops import UNREACHABLE, diameter
 from .parameters import MatchParameters
 from .proposing import Proposals, geometric_distance, looks_distance, open_rows
@@ -39,11 +39,8 @@ class _Stage:
         """xᵀMx / xᵀx of the accepted rows: how well they support each other as a whole."""
         if not len(rows):
             return 0.0
-        i, j = self.pairs[rows, 0], self.pairs[rows, 1]
-        p, q = self.d_source[np.ix_(i, i)].astype(int), self.d_target[np.ix_(j, j)].astype(int)
-        inside = (p <= self.reach[0]) & (q <= self.reach[1])
-        table = np.where(inside, self.table[np.minimum(p, self.reach[0]), np.minimum(q, self.reach[1])], 0.0)
-        return float((table.sum() + self.similarity[rows].sum()) / len(rows))
+        total = affinity_total(self.pairs[rows], self.d_source, self.d_target, self.table)
+        return float((total + self.similarity[rows].sum()) / len(rows))
 
 
 def match_thesis(proposals: Proposals, p: MatchParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -67,22 +67,22 @@ def _sequence(count: int) -> np.ndarray:
 @njit(cache=True, nogil=True, parallel=True)
 def _histograms(points, start, members, weight, centre, radius, sequence, longest, bins):  # type: ignore[no-untyped-def]
     """How many tuples of each union fall into each bin of the five measures, (5, k, bins)."""
-    nodes, segments = members.shape
+    nodes = len(members)
     out = np.zeros((5, nodes, bins))
     for node in prange(nodes):
-        height = np.zeros(segments + 1)
-        for s in range(segments):
-            height[s + 1] = height[s] + (weight[s] if members[node, s] else 0.0)
+        inside = np.flatnonzero(members[node])
+        height = np.concatenate((np.zeros(1), np.cumsum(weight[inside])))
         p = np.empty((4, 3))
         value = np.empty(5)
         for t in range(len(sequence)):
             for k in range(4):
-                u = sequence[t, k] * height[segments]
-                s = 0
-                while height[s + 1] <= u and s + 1 < segments:
-                    s += 1
+                u = sequence[t, k] * height[-1]
+                at_segment = 0
+                while height[at_segment + 1] <= u and at_segment + 1 < len(inside):
+                    at_segment += 1
+                s = inside[at_segment]
                 number = start[s + 1] - start[s]
-                share = (u - height[s]) / max(height[s + 1] - height[s], 1e-300)
+                share = (u - height[at_segment]) / max(height[at_segment + 1] - height[at_segment], 1e-300)
                 row = start[s] + min(int(share * number), number - 1)
                 for d in range(3):
                     p[k, d] = (points[row, d] - centre[node, d]) / radius[node]

@@ -22,7 +22,7 @@ TIMES = np.geomspace(0.002, 0.5, 16)  # in units of the shape's area
 PERSISTENT = (0, 4, 8, 12)  # of TIMES
 PEAKS = 4
 _DENSER = 6  # times as many points to choose from
-_LEAST = 12  # points of the smallest segment
+_LEAST = (4, 12)  # points of the smallest segment, of many and of few
 _NEIGHBOURS = 12
 
 
@@ -49,14 +49,15 @@ def heat_kernel(shape: SegmentedShape, *, seed: int) -> HeatKernel:
 
 
 def _even_points(shape: SegmentedShape, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """About `POINTS` evenly spaced surface points (n, 3), at least `_LEAST` of each segment, and their segments (n,)."""
-    points, owner = sample_surface(shape, _DENSER * POINTS, seed, least=_LEAST)
+    """About `POINTS` evenly spaced surface points (n, 3), 4 to 12 or more of each segment, and their segments (n,)."""
+    least = int(np.clip(2 * POINTS // shape.segmentation.count, *_LEAST))
+    points, owner = sample_surface(shape, _DENSER * POINTS, seed, least=least)
     chosen = np.zeros(len(points), dtype=bool)
     chosen[_farthest(points, min(POINTS, len(points)))] = True
-    few = np.bincount(owner[chosen], minlength=shape.segmentation.count) < _LEAST
+    few = np.bincount(owner[chosen], minlength=shape.segmentation.count) < least
     for segment in np.flatnonzero(few):
         rows = np.flatnonzero(owner == segment)
-        chosen[rows[_farthest(points[rows], _LEAST)]] = True
+        chosen[rows[_farthest(points[rows], least)]] = True
     return points[chosen], owner[chosen]
 
 

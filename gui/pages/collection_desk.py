@@ -146,11 +146,15 @@ class CollectionDesk(QObject):
             return
         state, own, cache = self.window.session.state, self.session.state.parameters, self.window.matching.cache
         matching, chosen, shapes, failures = state.parameters, state.preset, self.shapes, self.failures
+        scenes = self._scenes
 
-        def work(progress: Progress) -> Any:
+        def work(progress: Progress) -> tuple[Any, tuple[Any, ...]]:
             from engine.shapes.collection_matching import match_collection
 
-            return match_collection(shapes, matching, own, preset=chosen, failures=failures, progress=progress, cache=cache)
+            from ..views.aligning import aligned
+
+            found = match_collection(shapes, matching, own, preset=chosen, failures=failures, progress=progress, cache=cache)
+            return found, aligned([scenes[id(shape)] for shape in found.shapes], found.parts)
 
         self.window.jobs.start("collection", work, self._take, words="Matching the collection", failed=self._failed)
 
@@ -161,15 +165,13 @@ class CollectionDesk(QObject):
         self.session.update(found=None, names=names, scenes=scenes, part=-1, chosen=())
         self.again()
 
-    def _take(self, found: "CollectionResult") -> None:
+    def _take(self, answer: tuple["CollectionResult", tuple[Any, ...]]) -> None:
+        found, scenes = answer
         if found.parameters != self.session.state.parameters:
             found = found.changed(self.session.state.parameters)  # a live one has moved meanwhile
         self.seconds = seconds_text(sum(found.seconds.values()))
         self.window.session.update(support=support_by_id(found))
-        changes: dict[str, Any] = {"found": found, "part": -1, "chosen": ()}
-        if found.names != self.session.state.names:
-            changes |= {"names": found.names, "scenes": tuple(self._scenes[id(shape)] for shape in found.shapes)}
-        self.session.update(**changes)
+        self.session.update(found=found, names=found.names, scenes=scenes, part=-1, chosen=())
         if found.failures:
             self.window.say(" ".join(found.failures))
 

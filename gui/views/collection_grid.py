@@ -58,8 +58,10 @@ class CollectionGrid(QWidget):
 
     def set_collection(self, scenes: Sequence[Scene], names: Sequence[str], parts: Sequence[np.ndarray]) -> None:
         """Show these shapes under their names, (s,) int64 the part of each segment."""
+        if self.names != tuple(names):
+            self._tiles = []  # of the same shapes, turned, the old ones stand until they are drawn anew
         self.scenes, self.names, self.parts = tuple(scenes), tuple(names), tuple(parts)
-        self._tiles = []
+        self._images = [None] * len(self._tiles)
         self.lit, self.chosen, self._turn = -1, (), 0.0
         self._fit()
 

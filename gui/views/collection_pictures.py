@@ -8,6 +8,7 @@ from PySide6.QtGui import QColor, QFont, QPainter
 from engine.shapes.collection_result import CollectionResult
 
 from ..palette import LIGHT, Theme
+from .aligning import aligned
 from .collection_layout import CAPTION, corner, grid_for
 from .figures import png_bytes
 from .pictures import be_ready
@@ -23,12 +24,13 @@ def collection_pictures(found: CollectionResult, theme: Theme = LIGHT) -> list[t
     from .tiles import TileMaker, coloured, groups, part_colours
 
     shown = found.shapes[:MOST]
+    scenes = aligned([prepare(shape) for shape in shown], found.parts[:MOST])
     grid = grid_for(len(shown), _WIDTH, 700)
     maker = TileMaker(theme)
     try:
         images = [
-            coloured(maker.tile(prepare(shape), grid.side * 2), part_colours(parts, theme), groups(parts), theme)
-            for shape, parts in zip(shown, found.parts, strict=False)
+            coloured(maker.tile(scene, grid.side * 2), part_colours(parts, theme), groups(parts), theme)
+            for scene, parts in zip(scenes, found.parts, strict=False)
         ]
     finally:
         maker.close()

@@ -1,5 +1,6 @@
 """The command `descriptors`: how well each descriptor finds true partners on the same nodes, in one table."""
 
+import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from .runs.collection import Collection
     from .runs.retrieving import Mix, Row
     from .runs.sweep import Result
+    from .shapes.parameters import MatchParameters
 
 EVERY_SET = "all"
 REMARK = (
@@ -44,7 +46,7 @@ def descriptors(
 ) -> None:
     """Compare descriptors, alone and together: which find the true partners of nodes?
 
-    Writes report.html, tables.md, tables.tex, retrieval.csv and pairs.csv. Started again with the same --out, only what
+    Writes report.html, tables.md, tables.tex, retrieval.csv, pairs.csv and parameters.json. Started again with the same --out, only what
     is missing is run.
 
     Parameters
@@ -78,12 +80,15 @@ def descriptors(
         tasks = [retrieval_task(pair, parameters, mixes) for pair in found.pairs]
         processes = jobs or max(1, (os.cpu_count() or 2) - 1)
         kept = run_tasks(tasks, retrieve, folder / "runs", jobs=processes, progress=share(progress, 0.05, 1.0))
-        text = _write(folder, found, mixes, [[kept[key] for key in task.keys] for task in tasks])
+        text = _write(folder, found, parameters, mixes, [[kept[key] for key in task.keys] for task in tasks])
     print(text, end="")
     print(f"\nwritten to {out}")
 
 
-def _write(folder: Path, found: "Collection", mixes: "Sequence[Mix]", results: "Sequence[Sequence[Result]]") -> str:
+def _write(
+    folder: Path, found: "Collection", parameters: "MatchParameters", mixes: "Sequence[Mix]",
+    results: "Sequence[Sequence[Result]]",
+) -> str:  # fmt: skip
     """Write the tables in all forms; returns them as Markdown."""
     from .evaluate_report import notes_section, table_section
     from .evaluation.retrieval import MEASURES
@@ -108,7 +113,9 @@ def _write(folder: Path, found: "Collection", mixes: "Sequence[Mix]", results: "
     tables = [_overall(names, rows), *([_by_family(names, rows, families)] if len(families) > 1 else [])]
     failed = dict.fromkeys(f"Failed: {pair.family} {pair.name}: {result['failure']}"
                            for pair, some in zip(found.pairs, results, strict=True) for result in some if result["failure"])  # fmt: skip
-    lead, notes = f"{len(found.pairs)} pairs of {found.name}: the nodes of every pair by each descriptor.", [*found.notes, *failed]
+    lead = f"{len(found.pairs)} pairs of {found.name}: all nodes of every pair, at most {parameters.node_cap} a shape, by each descriptor."
+    weights = {mix.name: ", ".join(f"{name} {value:g}" for name, value in mix.weights) for mix in mixes if len(mix.weights) > 1}
+    notes = [*found.notes, *failed, *(f"Weights of {name}: {values}." for name, values in weights.items())]
     head = ("descriptor", "set", "segments", "pairs", "queries", *MEASURES, *(f"chance of {measure}" for measure in MEASURES))
     values = [_values(row) for row in rows.values()], [_values(row) for row in single]
     text = to_markdown(tables, lead, notes)
@@ -117,6 +124,7 @@ def _write(folder: Path, found: "Collection", mixes: "Sequence[Mix]", results: "
         folder / "tables.md": text, folder / "tables.tex": to_latex(tables, lead),
         folder / "report.html": page(f"Descriptors on {found.name}", lead, sections),
         folder / "retrieval.csv": to_csv(head, values[0]), folder / "pairs.csv": to_csv(head, values[1]),
+        folder / "parameters.json": json.dumps(parameters.model_dump(), indent=1) + "\n",
     })  # fmt: skip
     return text
 

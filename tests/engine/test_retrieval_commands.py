@@ -1,6 +1,7 @@
 """`concord descriptors` from end to end, on a small generated pair and on files."""
 
 import csv
+import json
 
 import numpy as np
 import pytest
@@ -50,6 +51,8 @@ def test_every_descriptor_and_mix_is_in_the_tables_beside_chance(out):
     text = (out / "tables.md").read_text()
     for name in (*names, "chance"):
         assert text.count(f"| {name} |") == 2  # over all pairs, and by family
+    assert "Weights of LFD + size + geodesic: lfd 1, size 2, centrality 4." in text
+    assert json.loads((out / "parameters.json").read_text())["node_cap"] == 16
     page = (out / "report.html").read_text()
     assert "persistent HKS" in page
     assert (out / "tables.tex").read_text().count(r"\begin{tabular}") == 2

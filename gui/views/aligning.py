@@ -10,7 +10,8 @@ import numpy as np
 from .scene import Scene
 
 _FLAT = 0.08  # parts in a line say nothing of the turn about it: least ratio of their second spread to their first
-_GAIN = 0.85  # a turn that brings common parts less near than this stays undone
+_ABOUT, _OVER, _LEANING = 0.85, 0.75, 0.3  # how much nearer common parts must come: about the upright axis, over, leaning
+_LEANS = np.cos(np.radians(35.0))  # a shape that leans less than this is taken to stand, unless it is a leaning copy
 
 
 def aligned(scenes: Sequence[Scene], parts: Sequence[np.ndarray]) -> tuple[Scene, ...]:
@@ -50,7 +51,10 @@ def _parts_of(scene: Scene, part: np.ndarray, count: int) -> tuple[np.ndarray, n
 
 
 def _best_turn(a: np.ndarray, b: np.ndarray, weight: np.ndarray) -> np.ndarray | None:
-    """The rotation of a (parts, 3) that brings it nearest to b (Kabsch 1976); None where that is not known."""
+    """The rotation of a (parts, 3) that brings it nearest to b (Kabsch 1976); None where that is not known.
+
+    A shape that stands upright keeps standing: it is turned about the upright axis alone.
+    """
     if (weight > 0).sum() < 3:
         return None
     w = np.sqrt(weight / weight.sum())[:, None]  # small parts count, too
@@ -58,11 +62,26 @@ def _best_turn(a: np.ndarray, b: np.ndarray, weight: np.ndarray) -> np.ndarray |
     for spread in (np.linalg.svd(w * p, compute_uv=False) for p in (x, y)):
         if spread[1] < _FLAT * spread[0]:
             return None
-    u, _, v = np.linalg.svd((w * x).T @ (w * y))
-    mirror = np.diag([1.0, 1.0, np.sign(np.linalg.det(v.T @ u.T)) or 1.0])
-    turn = v.T @ mirror @ u.T
-    before, after = (np.linalg.norm(w * (p - y)) for p in (x, x @ turn.T))
-    return turn if after < _GAIN * before else np.eye(3)
+    chosen, left = np.eye(3), np.linalg.norm(w * (x - y))
+    both = (w * x).T @ (w * y)
+    over = _any_turn(both)
+    for turn, gain in ((_about_upright(both), _ABOUT), (over, _LEANING if over[1, 1] > _LEANS else _OVER)):
+        after = np.linalg.norm(w * (x @ turn.T - y))
+        if after < gain * left:
+            chosen, left = turn, after
+    return chosen
+
+
+def _any_turn(both: np.ndarray) -> np.ndarray:
+    u, _, v = np.linalg.svd(both)
+    return v.T @ np.diag([1.0, 1.0, np.sign(np.linalg.det(v.T @ u.T)) or 1.0]) @ u.T
+
+
+def _about_upright(both: np.ndarray) -> np.ndarray:
+    """The best turn about y alone, by the covariance (3, 3) of the two."""
+    angle = np.arctan2(both[2, 0] - both[0, 2], both[0, 0] + both[2, 2])
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
 
 
 def _upright(turns: list[np.ndarray], known: list[bool]) -> list[np.ndarray]:

@@ -32,6 +32,15 @@ def test_turned_copies_come_to_lie_alike(scene, seed):
         np.testing.assert_allclose(other.points, found[0].points, atol=1e-9)
 
 
+def test_a_shape_that_stands_is_turned_about_its_axis_alone(scene):
+    about = Rotation.from_euler("y", 130, degrees=True).as_matrix()
+    tilted = boxes([*CRANE[:5], ((1, -0.2, 5.2), (4, 0.2, 5.6))], "lower arm")
+    turn = rotations([scene, scene, turned_scene(prepare(tilted), about)], [PARTS] * 3)[2]
+    np.testing.assert_allclose(turn[1], [0, 1, 0], atol=1e-12)
+    assert turn[0, 0] == pytest.approx(np.cos(np.radians(130)), abs=0.02)
+    assert (turn @ about)[0, 0] == pytest.approx(1, abs=0.02)
+
+
 def test_most_shapes_say_what_is_up(scene):
     over = Rotation.from_euler("x", 180, degrees=True).as_matrix()
     found = aligned([turned_scene(scene, over), scene, scene, scene], [PARTS] * 4)

@@ -47,6 +47,12 @@ def test_two_halves_that_point_at_each_other_do_not_swing():
 def test_what_is_alike_by_symmetry_is_exactly_equal():
     ring = np.roll(np.eye(7), 1, axis=1)
     assert len(set(principal(ring + ring.T + np.eye(7)).tolist())) == 1
+    rng = np.random.default_rng(5)
+    m, swap = rng.random((12, 12)), rng.permutation(12)
+    swap = np.argsort(swap)[(swap[np.arange(12)] + 6) % 12]  # an involution: every one has a mirror image
+    m = m + m.T
+    x = principal(m + m[np.ix_(swap, swap)])
+    assert np.array_equal(x, x[swap])
     two = np.kron(np.eye(2), np.array([[1.0, 2], [2, 1]]))  # two islands, both principal: each gets its share
     assert principal(two).tolist() == [1, 1, 1, 1]
 
@@ -78,14 +84,23 @@ def test_rounds_match_every_part_one_to_many():
     assert rounds(pairs, affinity) == [(0, 0), (1, 1), (1, 2)]
 
 
-def test_a_match_makes_certain_and_forgets_what_speaks_against_it():
-    """0-0 is surest. 1-1 has support from 0-0, 2-1 more from 1-0 and 0-2; but those speak against 0-0 and are forgotten."""
+def test_an_accepted_match_forgets_what_speaks_against_it():
+    """0-2 and 1-0 support each other most of all; but beside 0-0, both cannot be: only 1-1 has its support."""
     pairs = np.array([[0, 0], [0, 2], [1, 0], [1, 1], [2, 1]])
     affinity = np.diag([0.9, 0.05, 0.05, 0.05, 0.05])
-    for a, b, value in ((0, 3, 0.2), (2, 4, 0.25), (1, 4, 0.25), (1, 2, 0.3)):
+    for a, b, value in ((0, 3, 0.2), (1, 2, 3.0), (2, 4, 0.25), (1, 4, 0.25)):
         affinity[a, b] = affinity[b, a] = value
-    found = rounds(pairs, affinity)
-    assert found[:2] == [(0, 0), (1, 1)]
+    assert rounds(pairs, affinity, fixed=[0])[:2] == [(0, 0), (1, 1)]
+    assert rounds(pairs, affinity)[0] == (0, 2)
+
+
+def test_the_accepted_support_each_other_in_full():
+    """0-0 and 1-1 hardly know each other; once both are certain, 2-2 has more from them than 2-3 from 0-0 alone."""
+    pairs = np.array([[0, 0], [1, 1], [2, 2], [2, 3]])
+    affinity = np.diag([0.9, 0.8, 0.1, 0.1])
+    for a, b, value in ((0, 1, 0.01), (0, 2, 0.15), (1, 2, 0.15), (0, 3, 0.2)):
+        affinity[a, b] = affinity[b, a] = value
+    assert rounds(pairs, affinity, fixed=[0, 1])[2] == (2, 2)
 
 
 def test_fixed_ones_come_first_and_stay():

@@ -17,6 +17,7 @@ from .parameters import LEARNED, MatchParameters
 SIGNATURE, EXACT = "signature", "exact"
 SIGNATURE_SCALE = 1.35  # exact distances of true pairs are about so much larger than those of their signatures
 TRUE_DISTANCE = 1.8  # light field distance that is usual for true pairs
+_REMEMBERED = 4  # sets of descriptors whose pairs are kept
 _MEASURES = ("size", "extent", "centrality")
 
 
@@ -140,7 +141,12 @@ def widened(proposals: Proposals, p: MatchParameters) -> Proposals:
     key = (names, p.lfd_weight > 0, p.pool)
     if key not in proposals._memory:
         extra = _near_otherwise(proposals, names, p)
-        proposals._memory[key] = _with_more(proposals, extra)
+        found = _with_more(proposals, extra)
+        sets = [known for known in proposals._memory if isinstance(known, tuple)]
+        for oldest in sets[: max(0, len(sets) - _REMEMBERED + 1)]:
+            proposals._memory.pop(oldest, None)
+        proposals._memory[key] = found
+        return found
     return proposals._memory[key]  # type: ignore[return-value]
 
 

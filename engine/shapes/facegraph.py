@@ -11,6 +11,7 @@ from .mesh import Mesh, diagonal, face_areas
 
 WELD = 1e-7  # of the diagonal: vertices nearer than about this are one
 FLAT = 0.02  # |volume| / area^1.5 below which a surface has no inside to tell concave from convex
+CLOSED = 0.9  # share of the edges that two faces must share, the other way around, for a surface to have an inside
 MOST_POINTS = 20_000
 
 
@@ -86,7 +87,8 @@ def face_graph(mesh: Mesh) -> FaceGraph:
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal = cross / np.maximum(np.linalg.norm(cross, axis=1, keepdims=True), 1e-300)
     volume = float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))) / 6
-    inside = abs(volume) > FLAT * float(area.sum()) ** 1.5 and not same_way.any()
+    closed = 2 * len(pairs) > CLOSED * 3 * len(mesh.faces) and same_way.mean() < 1 - CLOSED
+    inside = bool(closed and abs(volume) > FLAT * float(area.sum()) ** 1.5)
     outward = volume > 0 or not inside
     turn = _turning(pairs, centre, normal if outward else -normal, same_way)
     along = points[ends[:, 1]] - points[ends[:, 0]]

@@ -8,6 +8,7 @@ import heapq
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.sparse import csr_array, diags_array
 
 from ..progress import Progress, silent
 from .facegraph import FaceGraph, pieces
@@ -17,6 +18,7 @@ from .facegraph import FaceGraph, pieces
 CREASE, SIZE, MOST_CONVEX = 0.2, 0.05, -0.3
 APART = np.pi / 2  # pieces of a surface that share no edge meet as at a right angle
 TEETH_ROUNDS = 6
+EVEN_STEPS, EVEN_TURN = 30, 0.3  # steps over which borders are evened, and the turn (radians) that holds them
 
 MOST_POINTS, MOST_CORNERS = 1000, 100  # of a hull: more only cost time
 
@@ -24,12 +26,12 @@ Hull = tuple[np.ndarray, float]
 
 
 def tidied(graph: FaceGraph, labels: np.ndarray) -> np.ndarray:
-    """Labels (m,) without teeth at their borders and with one connected piece each, numbered 0..s-1.
+    """Labels (m,) with even borders and one connected piece each, numbered 0..s-1.
 
-    A face whose edges lie mostly against one other region goes to it; then every piece of a region but its largest
-    goes to the region that it shares the longest border with.
+    A face whose edges lie mostly against one other region goes to it, and borders are straightened; then every piece
+    of a region but its largest goes to the region that it shares the longest border with.
     """
-    return whole(graph, _without_teeth(graph, numbered(labels)))
+    return whole(graph, _evened(graph, _without_teeth(graph, numbered(labels))))
 
 
 def numbered(labels: np.ndarray) -> np.ndarray:
@@ -50,6 +52,21 @@ def _without_teeth(graph: FaceGraph, labels: np.ndarray) -> np.ndarray:
         order = np.lexsort((length[tooth], face[tooth]))  # the longest of each face is written last
         labels[face[tooth][order]] = other[tooth][order]
     return labels
+
+
+def _evened(graph: FaceGraph, labels: np.ndarray) -> np.ndarray:
+    """Labels that win where each flows to its neighbours for a few steps, hardly across creases; small regions stay."""
+    flow = graph.matrix(np.maximum(graph.border * np.exp(-np.abs(graph.turn) / EVEN_TURN), 1e-12))
+    step = flow + diags_array(np.asarray(flow.sum(axis=1)).ravel())
+    step = diags_array(1 / np.maximum(np.asarray(step.sum(axis=1)).ravel(), 1e-300)) @ step
+    count = int(labels.max()) + 1
+    share = csr_array((np.ones(graph.faces), (np.arange(graph.faces), labels)), shape=(graph.faces, count))
+    for _ in range(EVEN_STEPS):
+        share = step @ share
+    found = np.asarray(share.argmax(axis=1)).ravel()
+    before, kept = np.bincount(labels, minlength=count), np.bincount(labels[found == labels], minlength=count)
+    shrunk = 2 * kept < before
+    return np.where(shrunk[labels], labels, found)
 
 
 def _shared_borders(graph: FaceGraph, part: np.ndarray, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

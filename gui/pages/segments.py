@@ -205,8 +205,8 @@ class SegmentsPage(QWidget):
         self.hint.setText(self._hint(state))
         self.title.setText("Segments" if not ready else f"Segments of {state.shape.mesh.name}")
         if ready:
-            edited = "edited, not saved" if state.by_hand else "cut automatically"
-            saved = edited if state.unsaved else "saved" if state.file else "as they were opened"
+            told = "saved" if state.file else "as they were opened"
+            saved = "cut automatically" if not state.by_hand else "edited, not saved" if state.unsaved else told
             self.facts.setText(f"{self._count(state)} · {saved}")
 
     def _hint(self, state: EditState) -> str:

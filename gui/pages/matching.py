@@ -12,7 +12,7 @@ from engine.progress import Progress, share
 from engine.shapes.carrying import carried
 from engine.shapes.parameters import MatchParameters, preset
 from engine.shapes.segmentation import SegmentedShape
-from engine.shapes.wishes import NO_WISHES
+from engine.shapes.wishes import NO_WISHES, Wishes
 from engine.store import default_cache
 
 from ..jobs import FOLLOW, Jobs
@@ -89,15 +89,10 @@ class Matching(QObject):
     def show_pair(self, source: SegmentedShape, target: SegmentedShape, set_name: str = "", choose: str = "") -> None:
         """Put two shapes on the table and match them; wishes stay as far as the labels still have what they are about."""
         before = self.session.state
-        wishes, lost = NO_WISHES, 0
-        if before.wishes and before.source is not None and before.target is not None:
-            wishes, lost = carried(before.wishes, (before.source, before.target), (source, target))
+        wishes = self._carried(before, source, target)
         chosen = {"preset": choose, "parameters": preset(choose)} if choose else {}
         self.session.update(source=source, target=target, set_name=set_name, proposals=None, prepared_with=None,
                             result=None, main=frozenset(), selected="", layer=0, node=-1, wishes=wishes, **chosen)  # fmt: skip
-        names = [shape.mesh.name for shape in (before.source, before.target) if shape is not None]
-        if lost and names == [source.mesh.name, target.mesh.name]:
-            self.dropped.emit(lost_text(lost))
 
     def edit(self, name: str, value: Any, settled: bool) -> None:
         """Change one parameter; successive changes while a hand moves are one step of the history."""
@@ -145,13 +140,20 @@ class Matching(QObject):
 
     def _carry(self, old: State, state: State) -> bool:
         """Let wishes follow shapes that were exchanged under them (segments edited); whether they had to change."""
-        found, lost = carried(state.wishes, (old.source, old.target), (state.source, state.target))
+        found = self._carried(old, state.source, state.target)
         if found == state.wishes:
             return False
         self.session.update(record=False, wishes=found)
-        if lost:
-            self.dropped.emit(lost_text(lost))
         return True
+
+    def _carried(self, old: State, source: SegmentedShape | None, target: SegmentedShape | None) -> Wishes:
+        """The wishes of a state for other shapes; says what is lost where only the labels are others."""
+        if not old.wishes or None in (old.source, old.target, source, target):
+            return NO_WISHES
+        found, lost = carried(old.wishes, (old.source, old.target), (source, target))
+        if lost and (old.source.mesh.name, old.target.mesh.name) == (source.mesh.name, target.mesh.name):
+            self.dropped.emit(lost_text(lost))
+        return found
 
     def _start_rematch(self, state: State) -> None:
         from engine.shapes.matching import rematch

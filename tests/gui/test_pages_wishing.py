@@ -190,6 +190,18 @@ def test_other_labels_drop_what_no_longer_fits_with_a_sentence(ready, qtbot, tmp
     assert pairs(ready)[((0,), (0,))].pinned
 
 
+def test_another_pair_begins_without_wishes_and_without_a_word(ready, qtbot, tmp_path, make_bar):
+    ready.session.update(wishes=Wishes((A,)))
+    settle(ready, qtbot)
+    ready.files.pair(write_bar(tmp_path, make_bar(3), "three"), write_bar(tmp_path, make_bar(4), "four"))
+    settle(ready, qtbot)
+    assert not ready.session.state.wishes
+    assert ready.session.state.result.source.file.endswith("three.off")
+    assert ready.messages.isHidden()
+    ready.undo()
+    assert ready.session.state.wishes == Wishes((A,))
+
+
 def test_segments_edited_in_place_carry_the_wishes_along(ready, qtbot):
     ready.session.update(wishes=Wishes((((0,), (0,)), ((4,), (3,)))))
     settle(ready, qtbot)

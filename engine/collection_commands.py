@@ -9,13 +9,15 @@ from .cli import progress_bar, results_folder
 from .parameters import assignments, read_values
 from .progress import share
 from .shapes.collection_parameters import CollectionParameters
-from .shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters, preset
+from .shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters, method_preset, preset
+from .shapes.segmentationparameters import DEFAULT, SegmentationParameters
 from .store import default_cache
 
 if TYPE_CHECKING:
     from .collection_report import CollectionDraw
     from .shapes.collection_result import CollectionResult
 
+MOST_NOTES, MOST_PAIRS = 8, 30  # printed; the report has all
 Words = Annotated[list[str] | None, Parameter(negative="", consume_multiple=True)]
 
 
@@ -27,7 +29,9 @@ def mount_collection(app: App, draw: "CollectionDraw | None" = None) -> None:
         *inputs: Path,
         out: Path,
         labels: str = "",
-        preset: str = DEFAULT_PRESET,
+        segments: int | None = None,
+        segmentation: str | None = None,
+        preset: str | None = None,
         method: str | None = None,
         support: Literal["cycles", "matchlift"] | None = None,
         set: Words = None,
@@ -45,10 +49,14 @@ def mount_collection(app: App, draw: "CollectionDraw | None" = None) -> None:
             Folder for the results; made if it is missing.
         labels
             Ending of the label files beside the meshes, for instance median.seg for chair.median.seg.
+        segments
+            Into how many segments a mesh without labels is cut (14 unless its components look like parts).
+        segmentation
+            How such a mesh is cut: parts, patches or convex; see `concord segment`.
         preset
-            Named parameters; `concord parameters` lists them.
+            Named parameters; `concord parameters` lists them. `--method` still wins.
         method
-            How candidates are pruned; `concord parameters` lists the methods.
+            How matches are chosen, with the preset of its name unless one is given; `concord parameters` lists them.
         support
             cycles (the ways around by third shapes) or matchlift (one consistent solution for all).
         set
@@ -61,15 +69,24 @@ def mount_collection(app: App, draw: "CollectionDraw | None" = None) -> None:
         from .shapes.collection_inputs import collection_files, load_collection
         from .shapes.collection_matching import match_collection
 
-        values, own, name = chosen_values(preset, method, support, set, parameters)
+        named = preset or (method_preset(method) if method else DEFAULT_PRESET)
+        values, own, name = chosen_values(named, method, support, set, parameters)
         files = collection_files(inputs, labels)
         with results_folder(out) as folder:
             with progress_bar() as progress:
-                shapes, failures = load_collection(files, progress=share(progress, 0.0, 0.05))
+                cache = default_cache()
+                shapes, failures = load_collection(files, automatic=asked_segmentation(segments, segmentation),
+                                                   progress=share(progress, 0.0, 0.1), cache=cache)  # fmt: skip
                 found = match_collection(shapes, values, own, preset=name, failures=failures,
-                                         progress=share(progress, 0.05, 1.0), cache=default_cache())  # fmt: skip
+                                         progress=share(progress, 0.1, 1.0), cache=cache)  # fmt: skip
             write_collection(found, folder, report=collection_page(found, draw(found) if draw else ()))
         _tell(found, folder)
+
+
+def asked_segmentation(segments: int | None, method: str | None) -> SegmentationParameters | None:
+    """How meshes without labels are cut, where something was asked for; raises `BadParameter`."""
+    wanted = {name: value for name, value in (("segments", segments), ("method", method)) if value is not None}
+    return DEFAULT.changed(**wanted) if wanted else None
 
 
 def chosen_values(
@@ -96,14 +113,16 @@ def _tell(found: "CollectionResult", folder: Path) -> None:
     """Say what came out."""
     from .collectionfile import mean_support, supported
 
-    for sentence in (*found.failures, *found.notes):
+    for sentence in (*found.failures, *found.notes[:MOST_NOTES]):
         print(f"note: {sentence}")
+    if len(found.notes) > MOST_NOTES:
+        print(f"and {len(found.notes) - MOST_NOTES} more notes in the report")
     width = max(len(f"{found.names[a]} and {found.names[b]}") for a, b in found.pairs)
-    for row, (a, b) in enumerate(found.pairs[:30]):
+    for row, (a, b) in enumerate(found.pairs[:MOST_PAIRS]):
         mean = mean_support(found.support(row))
         words = f", {supported(found.support(row))} supported, mean support {mean:.2f}" if mean == mean else ""
         print(f"{f'{found.names[a]} and {found.names[b]}':<{width}}  {len(found.results[row].ids):>4} matches{words}")
-    if len(found.pairs) > 30:
-        print(f"and {len(found.pairs) - 30} more pairs")
+    if len(found.pairs) > MOST_PAIRS:
+        print(f"and {len(found.pairs) - MOST_PAIRS} more pairs")
     seconds = ", ".join(f"{step} {value:.2f}" for step, value in found.seconds.items())
     print(f"{found.part_count} parts in {len(found.shapes)} shapes\nseconds: {seconds}\nwritten to {folder}")

@@ -5,9 +5,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import BadInput
-from ..progress import Progress, silent
+from ..progress import Progress, share, silent
+from ..store import Cache
 from .meshfile import MESH_SUFFIXES, load_shape
 from .segmentation import SegmentedShape
+from .segmentationparameters import SegmentationParameters
 
 LABELS = (".seg", ".txt")
 MOST_SHAPES = 500
@@ -43,13 +45,20 @@ def meshes_in(folder: Path) -> list[Path]:
     return sorted(found, key=lambda path: _natural(path.name))
 
 
-def load_collection(files: Files, *, progress: Progress = silent) -> tuple[list[SegmentedShape], list[str]]:
-    """The shapes that can be read, and a sentence for each that cannot."""
+def load_collection(
+    files: Files,
+    *,
+    automatic: SegmentationParameters | None = None,
+    progress: Progress = silent,
+    cache: Cache | None = None,
+) -> tuple[list[SegmentedShape], list[str]]:
+    """The shapes that can be read, and a sentence for each that cannot; `automatic` as `load_shape` takes it."""
     shapes, failures = [], []
     for row, (mesh, labels) in enumerate(files):
         progress(row / len(files), f"reading {mesh.name}")
+        own = share(progress, row / len(files), (row + 1) / len(files))
         try:
-            shapes.append(load_shape(mesh, labels))
+            shapes.append(load_shape(mesh, labels, automatic=automatic, progress=own, cache=cache))
         except BadInput as error:
             failures.append(f"{mesh.name} was left out: {error}")
     return shapes, failures

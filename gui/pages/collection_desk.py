@@ -102,13 +102,15 @@ class CollectionDesk(QObject):
             self.window.say(str(error))
             return
 
+        cache = self.window.matching.cache
+
         def read(progress: Progress) -> tuple[Any, ...]:
             from engine.shapes.collection_inputs import load_collection
             from engine.shapes.collection_matching import unique_names
 
             from ..views.scene import prepare
 
-            shapes, failures = load_collection(files, progress=share(progress, 0.0, 0.5))
+            shapes, failures = load_collection(files, progress=share(progress, 0.0, 0.5), cache=cache)
             if len(shapes) < 2:
                 raise BadInput(" ".join(["A collection needs at least two shapes that can be read.", *failures]))
             scenes = []

@@ -102,6 +102,18 @@ def test_options_win_in_their_order(folder, tmp_path):
     assert content["collection_parameters"]["part_from"] == 0.6
 
 
+def test_meshes_without_labels_are_cut_and_a_method_brings_its_preset(folder, tmp_path, capsys):
+    for k in range(3):
+        save(boxes(LAMP, "x"), tmp_path, f"bare{k}", labels=False)
+    words = ["collection", str(tmp_path), "--segments", "3", "--segmentation", "patches", "--method", "hungarian"]
+    assert main([*words, "--out", str(tmp_path / "o"), *QUICK]) == 0
+    content = json.loads((tmp_path / "o" / "collection.json").read_text())
+    assert (content["method"], content["preset"]) == ("hungarian", "hungarian")
+    assert content["parameters"]["size_weight"] == 1.0
+    assert [len(shape["segments"]) for shape in content["shapes"]] == [3, 3, 3]
+    assert "automatically (patches)" in capsys.readouterr().out
+
+
 def test_a_bad_mesh_is_left_out_with_a_sentence(folder, tmp_path, capsys):
     (tmp_path / "broken.off").write_text("OFF\n3 1 0\n0 0 0\n")
     meshes = [str(path) for path in meshes_in(folder)]

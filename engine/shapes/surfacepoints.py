@@ -7,6 +7,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
+from ..consistency.semidefinite import one_thread
 from .measures import neighbour_graph
 from .mesh import Mesh, face_areas
 from .segmentation import SegmentedShape
@@ -129,7 +130,8 @@ def _heat(links: np.ndarray, strength: np.ndarray, weight: np.ndarray) -> np.nda
     table = coo_array((strength, (links[:, 0], links[:, 1])), shape=(count, count)).toarray()
     table = np.maximum(table, table.T) * np.sqrt(np.outer(weight, weight))
     scale = 1 / np.sqrt(weight)
-    value, vector = np.linalg.eigh(scale[:, None] * (np.diag(table.sum(axis=1)) - table) * scale)
+    with one_thread():
+        value, vector = np.linalg.eigh(scale[:, None] * (np.diag(table.sum(axis=1)) - table) * scale)
     value = np.maximum(value, 0) / max(float(value[1]), 1e-12)
     square = (vector * scale[:, None]) ** 2
     kernel = np.stack([square @ np.exp(-np.minimum(value, 1e6) * t) for t in TIMES], axis=1)

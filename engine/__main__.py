@@ -97,8 +97,8 @@ def build_app(
         out
             Folder for the results; made if it is missing.
         method
-            How matches are chosen, with the preset of its name unless one is given: thesis, top-down, bottom, hungarian,
-            spectral, shed or diffusion.
+            How matches are chosen, such as thesis, shed or spectral; `concord parameters` lists all. Starts from its own
+            preset unless one is given.
         preset
             Named parameters; `concord parameters` lists them. `--method` still wins.
         set

@@ -40,8 +40,8 @@ class MatchResult:
 
     `pairs` (p, 2) int64 are node rows of the two graphs; `source_members` (p, s) and `target_members` (p, t) bool the
     segments they unite; `score` (p,) float64 in [0, 1] is π of Eq 3.4 relative to the best candidate in the thesis's
-    method, the mean agreement with the other matches top-down, `similarity` (p,) in [0, 1] the geometric one,
-    `votes` (p,) int64 those of Algorithm 1; `ids` are content hashes of the matches (see `identity`);
+    method, the mean agreement with the other matches top-down, else what the method's own docstring says; `similarity`
+    (p,) in [0, 1] the geometric one, `votes` (p,) int64 those of Algorithm 1; `ids` are content hashes of the matches (see `identity`);
     `wishes` are those that were honoured, and `pinned` (p,) bool marks the matches that people had pinned.
     """
 

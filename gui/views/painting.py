@@ -137,11 +137,12 @@ def _paint_symbol(painter: QPainter, link: Link, at: np.ndarray, theme: Theme) -
         painter.setPen(_pen(QColor(theme.halo), 1.5))
         painter.setBrush(QColor(theme.ink))
         painter.drawEllipse(QPointF(x, y), _PIN, _PIN)
-    painter.setPen(_pen(QColor(theme.halo), 1.5))
     if not marked(link):
-        painter.setBrush(QColor(theme.halo))
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(theme.paper))
         painter.drawEllipse(QPointF(x, y), _HOLE, _HOLE)
         return
+    painter.setPen(_pen(QColor(theme.halo), 1.5))
     painter.setBrush(QColor(theme.state(link.state)))
     painter.drawEllipse(QPointF(x, y), _SYMBOL, _SYMBOL)
     painter.setPen(_pen(QColor("#FFFFFF"), 2.0))

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from PySide6.QtGui import QColor, QImage, QPainter
 
-from gui.palette import LIGHT
+from gui.palette import DARK, LIGHT
 from gui.views.links import apart, folded, hit_inside, hit_outline, lay_out
-from gui.views.painting import paint_links
+from gui.views.painting import line_width, paint_links
 from gui.views.planar import contains, convex_hull, distance_to_segments, polygon_area
 from gui.views.scene import Link
 
@@ -110,3 +110,25 @@ def test_no_line_crosses_the_symbol_of_a_judged_link(qapp):
     painter.end()
     discs = [[image.pixelColor(x + dx, 10).name().upper() for dx in (-6, 6)] for x in (60, 140)]
     assert discs == [[LIGHT.state("correct").upper()] * 2, [LIGHT.state("wrong").upper()] * 2]
+
+
+@pytest.mark.parametrize("colours", [LIGHT, DARK])
+def test_a_pinned_link_has_the_head_of_a_pin_and_is_thicker(qapp, colours):
+    plain, pinned, judged = (Link("a", (0,), (0,)), Link("b", (0,), (0,), pinned=True), Link("c", (0,), (0,), "correct", pinned=True))
+    shapes = placed(plain, pinned, judged)
+    assert line_width(shapes[1], False) > line_width(shapes[0], False)
+    shapes = [replace(shape, symbol=np.array([60.0 + 60 * k, 50.0])) for k, shape in enumerate(shapes[1:])]
+    image = QImage(220, 100, QImage.Format.Format_RGB32)
+    image.fill(QColor(colours.paper))
+    painter = QPainter(image)
+    paint_links(painter, shapes, colours)
+    painter.end()
+
+    def distance(x, y, colour):
+        have, want = image.pixelColor(x, y), QColor(colour)
+        return sum(abs(a - b) for a, b in zip(have.getRgb()[:3], want.getRgb()[:3], strict=True))
+
+    assert distance(60, 50, colours.paper) < distance(60, 50, colours.ink)  # a hole
+    assert distance(67, 50, colours.ink) < distance(67, 50, colours.paper)  # in a disc
+    assert distance(126, 50, colours.state("correct")) < distance(126, 50, colours.paper)
+    assert distance(40, 50, colours.paper) == 0

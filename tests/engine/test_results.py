@@ -130,7 +130,25 @@ def test_match_from_the_command_line(lamp, coarse_lamp, tmp_path, capsys):
     assert json.loads((tmp_path / "again" / "matches.json").read_text())["matches"] == content["matches"]
 
 
+def test_the_method_of_the_command_line_wins_over_the_preset(lamp, coarse_lamp, tmp_path):
+    a, b = save(lamp, tmp_path, "a"), save(coarse_lamp, tmp_path, "b")
+
+    def told(*words):
+        assert main(["match", a, b, "--out", str(tmp_path / "out"), *words, "--set", "light_fields=1"]) == 0
+        return json.loads((tmp_path / "out" / "matches.json").read_text())
+
+    own = told("--method", "hungarian")
+    assert (own["method"], own["preset"]) == ("hungarian", "hungarian")
+    assert own["parameters"]["size_weight"] == preset("hungarian").size_weight
+    other = told("--method", "hungarian", "--preset", "thesis-rigid")
+    assert (other["method"], other["preset"]) == ("hungarian", "")
+    assert other["parameters"]["size_weight"] == preset("thesis-rigid").size_weight
+    with_file = told("--method", "shed", "--parameters", str(tmp_path / "out" / "parameters.json"))
+    assert with_file["method"] == "shed"
+
+
 BAD = {
+    "unknown method": (["match", "{a}", "{a}", "--method", "magic", "--out", "{out}"], "There is no method named 'magic'"),
     "missing mesh": (["match", "{a}", "none.off", "--out", "{out}"], "none.off"),
     "missing labels": (["match", "{a}", "{a}", "--source-labels", "none.seg", "--out", "{out}"], "none.seg"),
     "unknown preset": (["match", "{a}", "{a}", "--preset", "fast", "--out", "{out}"], "'fast'"),

@@ -75,9 +75,9 @@ class Matching(QObject):
             from engine.shapes.meshfile import load_shape
 
             progress(0.0, "Reading")
-            first = load_shape(source, labels[0])
+            first = load_shape(source, labels[0], progress=share(progress, 0.0, 0.5), cache=self.cache)
             progress(0.5, "Reading")
-            return first, load_shape(target, labels[1])
+            return first, load_shape(target, labels[1], progress=share(progress, 0.5, 1.0), cache=self.cache)
 
         def done(pair: tuple[SegmentedShape, SegmentedShape]) -> None:
             self.show_pair(*pair, set_name=set_name or set_name_of(source), choose=choose)

@@ -90,6 +90,10 @@ class SegmentDesk(QObject):
         if state.shape is None:
             self.window.show_page("shapes")
             return
+        pair = self.window.session.state
+        if (pair.target if state.side else pair.source) is not state.shape:
+            self.window.say(f"{state.shape.mesh.name} is not in the pair any more; save its segments, then open it again.")
+            return
         if state.unsaved and state.by_hand:
             answer = self.ask("These segments are in no file yet.", "Matches and votes can only be found again with their labels.",
                               {"save": "Save", "use": "Use without saving", "stay": "Go on editing"})  # fmt: skip
@@ -102,7 +106,7 @@ class SegmentDesk(QObject):
         """Put the edited shape in the place of the one that the pair has."""
         pair, shape = self.window.session.state, state.shape
         shapes = [pair.source, pair.target]
-        if shapes[state.side] is not shape or np.array_equal(state.labels, shape.segmentation.labels):
+        if np.array_equal(state.labels, shape.segmentation.labels):
             return
         note = () if not state.by_hand or state.file else (NOT_SAVED.format(shape.mesh.name),)
         made = SegmentedShape(shape.mesh, state.segmentation(), shape.file, note, automatic=not state.by_hand)

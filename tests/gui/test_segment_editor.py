@@ -182,6 +182,15 @@ def test_unsaved_edits_are_never_lost_silently(editor, window, qtbot, tmp_path, 
     assert "in no file yet" in " ".join(window.session.state.source.notes)
 
 
+def test_done_says_so_where_the_pair_has_changed_meanwhile(editor, window, make_bar):
+    editor.choose((0, 1))
+    editor.merge()
+    window.matching.show_pair(make_bar(3), make_bar(4))
+    editor.done()
+    assert window.page == "segments"
+    assert "not in the pair any more" in window.messages.text.text()
+
+
 def test_a_mesh_without_labels_opens_with_a_notice_and_a_slider(window, qtbot, tmp_path, make_bar):
     window.files.pair(bar_file(tmp_path, make_bar(12), "bare", labels=False), bar_file(tmp_path, make_bar(4), "short"))
     settle(window, qtbot)

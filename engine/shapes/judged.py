@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from ..consistency.voting import nesting
 from .proposing import Proposals
 
 
@@ -23,5 +22,8 @@ def beside_pins(proposals: Proposals) -> np.ndarray:
 
 def _nesting(members: np.ndarray, nodes: np.ndarray, pinned: np.ndarray) -> np.ndarray:
     """Whether a node is a proper part of a pinned one, and holds it, for all nodes and pinned, (2, c, pins) bool."""
-    inside = nesting(members)
-    return np.stack([inside[np.ix_(nodes, pinned)], inside[np.ix_(pinned, nodes)].T])
+    m = members.astype(np.float32)
+    size, shared = m.sum(axis=1), m @ m[pinned].T
+    inside = (shared >= size[:, None]) & (size[:, None] < size[pinned])
+    holds = (shared >= size[pinned]) & (size[pinned] < size[:, None])
+    return np.stack([inside[nodes], holds[nodes]])

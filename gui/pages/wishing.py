@@ -74,16 +74,21 @@ class Wishing(QObject):
         state = self.session.state
         if not on or state.source is None or state.target is None:
             self.session.update(bound=on)
-            return
+        else:
+            self._use_answers(state, record=True)
+
+    def _use_answers(self, state: State, *, record: bool) -> None:
+        """Make wishes of the answers given so far on a pair, and of all to come; `record` makes that a step of its own."""
+        from annotation.votedwishes import known_pairs
+
         source, target = state.source, state.target
 
         def done(pairs: dict[str, Pair]) -> None:
             now = self.session.state
             if now.source is source and now.target is target:
                 self._pairs |= pairs
-                self.session.update(bound=True, wishes=answered_wishes(now.wishes, now.answers, self._pairs))
-
-        from annotation.votedwishes import known_pairs
+                wishes = answered_wishes(now.wishes, now.answers, self._pairs)
+                self.session.update(record=record, bound=True, wishes=wishes)
 
         self.judging.ask(lambda handle: known_pairs(handle, source, target), done)
 
@@ -119,6 +124,8 @@ class Wishing(QObject):
     def _changed(self, old: State, state: State, names: frozenset[str]) -> None:
         if names & {"source", "target"}:
             self._pairs.clear()
+            if state.bound and state.result is None and state.source is not None and state.target is not None:
+                self._use_answers(state, record=False)
         if "result" in names:
             self._pairs |= {m.id: (m.source, m.target) for m in state.matches()}
         if "answers" in names and state.bound and "volunteer" not in names:

@@ -241,6 +241,21 @@ def test_answers_make_wishes_where_they_are_bound(ready, qtbot):
     assert ready.session.state.wishes.forbidden == ()
 
 
+def test_answers_bind_again_when_their_pair_is_opened_again(ready, qtbot, tmp_path, make_bar):
+    known, files = next(iter(pairs(ready).items())), [ready.session.state.source.file, ready.session.state.target.file]
+    ready.session.update(selected=known[1].id)
+    press(ready, qtbot, Qt.Key.Key_F)
+    ready.wishing.bind(True)
+    settle(ready, qtbot)
+    ready.files.pair(write_bar(tmp_path, make_bar(3), "three"), write_bar(tmp_path, make_bar(4), "four"))
+    settle(ready, qtbot)
+    assert not ready.session.state.wishes
+    ready.files.pair(*files)
+    settle(ready, qtbot)
+    assert ready.session.state.wishes == Wishes((), (known[0],))
+    assert known[0] not in pairs(ready)
+
+
 def test_the_votes_of_all_become_anchors_in_one_step(ready, qtbot):
     good, bad = listed(ready.session.state)[:2]
     ready.enrol()

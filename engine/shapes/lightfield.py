@@ -85,7 +85,8 @@ def light_field_descriptors(
     """
     frames = view_frames(light_fields, seed)
     order = np.argsort(labels, kind="stable")
-    order = order[members.any(axis=0)[labels[order]]]  # segments of no union need not be drawn
+    used = np.asarray(members.any(axis=0))
+    order = order[used[labels[order]]]  # segments of no union need not be drawn
     bounds = np.searchsorted(labels[order], np.arange(members.shape[1] + 1))
     low, high = _segment_boxes(mesh, labels, members.shape[1])
     centre, radius = _frames_of_unions(mesh, labels, members, low, high)

@@ -121,7 +121,8 @@ class CollectionGrid(QWidget):
         if len(self._tiles) != len(self.scenes):
             self._tiles = [None] * len(self.scenes)
             self._images = [None] * len(self.scenes)
-        self._waiting = list(range(len(self.scenes)))
+        first = [row for row in self._waiting if row < len(self.scenes)]  # so that all come in turn during a drag
+        self._waiting = first + [row for row in range(len(self.scenes)) if row not in first]
         if self.scenes:
             self._idle.start()
         self.update()

@@ -13,14 +13,14 @@ from .pane import Pane
 from .scene import Scene
 
 FINE = 2  # pixels of a tile for each of the picture, along either side
-_WHITE = 214
+WHITE = 214
 _GROUND = -1
 _HEIGHT, _TURN = 20.0, 30.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tile:
-    """How light each pixel of a shape is, (h, w) float32 with 1 for its own colour, and its segment, int32 or -1."""
+    """How light each pixel of a shape is, (h, w) uint8 with `WHITE` for its own colour, and its segment or -1, int16 or int32."""
 
     light: np.ndarray
     segments: np.ndarray
@@ -36,12 +36,12 @@ class TileMaker:
         """A square tile of `size` pixels, `turn` degrees around the upright axis from the usual view."""
         pane, side = self._pane, FINE * size
         pane.set_scene(scene)
-        pane.set_colours(np.full((scene.count, 3), _WHITE, np.uint8))
+        pane.set_colours(np.full((scene.count, 3), WHITE, np.uint8))
         towards = direction(_HEIGHT, _TURN + turn)
         pane.camera = look_from(towards, fitting_distance(scene, towards, 1.0))
         image = pane.image(side, side, moving=True)
-        seen = np.frombuffer(image.constBits(), np.uint8).reshape(side, side, 4)[..., 0]
-        return Tile(seen.astype(np.float32) / _WHITE, pane.segment_map(side, side))
+        seen = np.frombuffer(image.constBits(), np.uint8).reshape(side, side, 4)[..., 0].copy()
+        return Tile(seen, pane.segment_map(side, side).astype(np.int16 if scene.count < 2**15 else np.int32))
 
     def close(self) -> None:
         """Give the window back."""
@@ -67,7 +67,7 @@ def coloured(tile: Tile, colours: np.ndarray, group: np.ndarray, theme: Theme) -
     """The tile in the colours (s, 3) of its segments, with lines between pixels of different groups (s,)."""
     h, w = tile.segments.shape
     table = np.concatenate([colours, rgb(theme.paper)[None]]).astype(np.float32)  # row -1 is the ground
-    light = np.where(tile.segments >= 0, tile.light, np.float32(1))
+    light = np.where(tile.segments >= 0, tile.light.astype(np.float32) / WHITE, np.float32(1))
     numbers = np.unique(group, return_inverse=True)[1].astype(np.int32)
     light[_lines(np.append(numbers, np.int32(_GROUND))[tile.segments])] *= 0.35 if theme.dark else 0.45
     small = np.zeros((h // FINE, w // FINE, 3), np.float32)

@@ -6,7 +6,7 @@ import pytest
 from gui.palette import DARK, LIGHT, rgb, segment_colours
 from gui.views.collection_layout import CAPTION, GAP, SMALLEST, corner, grid_for, next_part, tile_at
 from gui.views.scene import prepare
-from gui.views.tiles import FINE, Tile, TileMaker, coloured, groups, part_colours, segment_at
+from gui.views.tiles import FINE, WHITE, Tile, TileMaker, coloured, groups, part_colours, segment_at
 
 
 def test_every_tile_fits_and_none_overlap():
@@ -53,9 +53,9 @@ def test_colours_of_parts():
 
 
 def test_a_tile_is_coloured_picked_and_lined():
-    segments = np.full((8, 8), -1, np.int32)
+    segments = np.full((8, 8), -1, np.int16)
     segments[:, 2:4], segments[:, 4:6] = 0, 1
-    tile = Tile(np.ones((8, 8), np.float32), segments)
+    tile = Tile(np.full((8, 8), WHITE, np.uint8), segments)
     colours = np.array([[200, 0, 0], [0, 200, 0]], np.uint8)
     apart, together = (coloured(tile, colours, np.array(group), LIGHT) for group in ([0, 1], [0, 0]))
     assert apart.width() == 8 // FINE
@@ -81,4 +81,4 @@ def test_tiles_show_the_segments_that_a_ray_hits(make_bar, turn):
     seen = [(a, b) for a, b in hits if a is not None]
     assert len(seen) > 10
     assert np.mean([a == b for a, b in seen]) > 0.9
-    assert 0.2 < tile.light[tile.segments >= 0].mean() <= 1.2
+    assert 0.2 * WHITE < tile.light[tile.segments >= 0].mean() <= 255

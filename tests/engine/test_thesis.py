@@ -173,3 +173,29 @@ def test_nothing_above_the_threshold_gives_no_match():
     for anchors in ("off", "first", "checked"):
         rows, score, similarity, votes = match_thesis(given, RIGID.changed(lfd_threshold=0.9, anchors=anchors))
         assert len(rows) == len(score) == len(similarity) == len(votes) == 0
+
+
+def test_a_pin_needs_no_similarity_and_takes_its_nodes():
+    given = {(0, 0): 0.9, (1, 1): 0.9, (0, 1): 0.1}
+    asked = PLAIN.changed(lfd_threshold=0.5)
+    assert set(accepted(proposals(2, 2, given), asked)) == {(0, 0), (1, 1)}
+    assert accepted(proposals(2, 2, given, pinned={(0, 1)}), asked) == [(0, 1)]
+    for anchors in ("off", "first", "checked"):
+        assert accepted(proposals(2, 2, given, pinned={(0, 1)}), RIGID.changed(lfd_threshold=0.5, anchors=anchors)) == [(0, 1)]
+
+
+def test_a_barred_pair_is_no_candidate_of_either_stage():
+    given = {(0, 0): 0.9, (1, 1): 0.9, (0, 1): 0.1}
+    for parameters in (PLAIN, RIGID):
+        found = accepted(proposals(2, 2, given, barred={(0, 0)}), parameters.changed(K=1))
+        assert (0, 0) not in found
+        assert (1, 1) in found
+
+
+def test_voting_does_not_drop_a_pin():
+    """Node 2 holds node 0 at the source, its partner holds nothing: of 0-0 and 2-1 voting keeps the surer one."""
+    nodes = [{0}, {1}, {0, 1}]
+    given = {(0, 0): 0.2, (2, 1): 0.9}
+    asked = RIGID.changed(anchors="off")
+    assert accepted(proposals(nodes, 2, given), asked) == [(2, 1)]
+    assert accepted(proposals(nodes, 2, given, pinned={(0, 0)}), asked) == [(0, 0)]

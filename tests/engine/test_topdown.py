@@ -167,3 +167,30 @@ def test_votes_count_the_matches_that_hold_one_on_both_sides():
 def test_nothing_in_agreement_gives_no_match():
     given = proposals({(0, 0): 0.1, (1, 1): 0.1}, bottom={(0, 0), (1, 1)}, source={"geodesic": {(0, 1): 0.1}})
     assert [len(x) for x in match_top_down(given, PLAIN)] == [0, 0, 0, 0]
+
+
+def test_a_pin_comes_first_and_what_disagrees_with_it_does_not_come():
+    """0-1 is far and fits nothing; pinned it takes both its nodes, and 2-2, too near to it on one side, goes."""
+    candidates = {(0, 0): 0.1, (0, 1): 9.0, (1, 1): 0.2, (2, 2): 0.0, (3, 3): 0.0}
+    told = {"geodesic": {(1, 2): 0.3}}
+    assert accepted(proposals(candidates, target=told)) == {(0, 0), (2, 2), (3, 3)}
+    assert accepted(proposals(candidates, target=told, pinned={(0, 1)})) == {(0, 1), (3, 3)}
+
+
+def test_pins_that_disagree_are_both_kept():
+    given = proposals({**THREE, (3, 3): 0.0}, source={"geodesic": {(0, 1): 0.1}}, pinned={(0, 0), (1, 1)})
+    assert {(0, 0), (1, 1)} <= accepted(given)
+
+
+def test_a_barred_pair_does_not_come_and_makes_room_for_the_next():
+    given = {(0, 0): 0.1, (0, 1): 0.3, (2, 2): 0.0}
+    assert accepted(proposals(given)) == {(0, 0), (2, 2)}
+    assert accepted(proposals(given, barred={(0, 0)})) == {(0, 1), (2, 2)}
+    assert accepted(proposals(given, barred={(0, 0)}), PLAIN.changed(K=1)) == {(0, 1), (2, 2)}
+    assert accepted(proposals(given, barred=set(given))) == set()
+
+
+def test_a_barred_pair_of_segments_does_not_come_last_either():
+    given = segments_last()
+    given.barred = np.array([tuple(p) == (0, 0) for p in given.pairs.tolist()])
+    assert accepted(given, PLAIN.changed(bottom_min=0.6)) == {(0, 3), (1, 1), (2, 2)}

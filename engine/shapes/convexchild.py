@@ -1,4 +1,4 @@
-"""The process in which CoACD runs: `python convexchild.py IN.npz OUT.npz`, alone, so that it can be stopped.
+"""The process in which CoACD runs: `python convexchild.py IN.npz OUT.npz PARENT`, alone, so that it can be stopped.
 
 It reads `vertices` (n, 3), `faces` (m, 3), `threshold` and `seed`, and writes the planes (p, 4) of all convex hulls,
 outward normal and offset, and the number of the hull (p,) that each belongs to. It imports nothing of Concord.
@@ -6,6 +6,8 @@ outward normal and offset, and the number of the hull (p,) that each belongs to.
 
 import os
 import sys
+import threading
+import time
 from typing import Any
 
 import numpy as np
@@ -14,10 +16,18 @@ import numpy as np
 SEARCH: dict[str, Any] = {"resolution": 1000, "mcts_nodes": 10, "mcts_iterations": 30, "mcts_max_depth": 1, "merge": False}
 
 
-def main(source: str, target: str) -> None:
-    """Decompose the mesh in one file and write the hulls to the other."""
+def end_with(parent: int) -> None:
+    """Stop this process when the one that started it is gone, however it went."""
+    while os.getppid() == parent:
+        time.sleep(0.5)
+    os._exit(1)
+
+
+def main(source: str, target: str, parent: str) -> None:
+    """Decompose the mesh in one file and write the hulls to the other, as long as the parent process lives."""
     import coacd
 
+    threading.Thread(target=end_with, args=(int(parent),), daemon=True).start()
     coacd.set_log_level("off")
     with np.load(source, allow_pickle=False) as given:
         mesh = coacd.Mesh(given["vertices"], given["faces"])
@@ -42,4 +52,4 @@ def planes_of(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:3])
+    main(*sys.argv[1:4])

@@ -81,7 +81,7 @@ def _hulls(points: np.ndarray, mesh: Mesh, threshold: float, seed: int, progress
         source, target = Path(folder) / "mesh.npz", Path(folder) / "hulls.npz"
         vertices, faces = simplified(points, mesh.faces, MOST_FACES)
         np.savez(source, vertices=vertices, faces=faces.astype(np.int32), threshold=threshold, seed=seed)
-        _run([sys.executable, convexchild.__file__, str(source), str(target)], folder, mesh.name, progress)
+        _run([sys.executable, convexchild.__file__, str(source), str(target), str(os.getpid())], folder, mesh.name, progress)
         try:
             with np.load(target, allow_pickle=False) as found:
                 planes, hull = found["planes"], found["hull"]

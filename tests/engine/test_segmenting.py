@@ -4,8 +4,8 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -232,38 +232,62 @@ def test_convex_parts_of_two_balls_are_the_balls_and_come_from_the_cache(tmp_pat
     assert len(list(tmp_path.glob("*.npz"))) == 1
 
 
-def running(word):
-    listing = subprocess.run(["ps", "-eo", "pid,args"], capture_output=True, text=True, check=True).stdout
-    return [int(line.split()[0]) for line in listing.splitlines() if word in line and "ps -eo" not in line]
+@pytest.fixture
+def children(monkeypatch):
+    """The processes that are started, as they come."""
+    started, real = [], subprocess.Popen
+
+    def start(*words, **options):
+        started.append(real(*words, **options))
+        return started[-1]
+
+    monkeypatch.setattr(convexparts.subprocess, "Popen", start)
+    return started
 
 
-def test_a_killed_decomposition_is_one_sentence(monkeypatch):
-    began = set(running("convexchild.py"))
+def alive(pid):
+    listing = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True).stdout.strip()
+    return bool(listing) and listing[0] != "Z"
 
-    def kill():
-        for _ in range(200):
-            for pid in set(running("convexchild.py")) - began:
-                os.kill(pid, signal.SIGKILL)
-                return
-            time.sleep(0.02)
 
-    thread = threading.Thread(target=kill)
-    thread.start()
+def test_a_killed_decomposition_is_one_sentence(children):
+    def kill(share, words):
+        if children and share > 0:
+            children[0].send_signal(signal.SIGKILL)
+
     with pytest.raises(BadInput, match="could not be cut into convex parts"):
-        auto_segment(sphere(4), DEFAULT.changed(method="convex", concavity=0.01))
-    thread.join()
+        auto_segment(sphere(4), DEFAULT.changed(method="convex", concavity=0.01), progress=kill)
+    assert len(children) == 1
 
 
-def test_cancelling_ends_the_process():
-    began = set(running("convexchild.py"))
-
+def test_cancelling_ends_the_process(children):
     def stop(share, words):
-        if "convex" in words and share > 0:
+        if children and share > 0:
             raise Cancelled
 
     with pytest.raises(Cancelled):
         auto_segment(sphere(4), DEFAULT.changed(method="convex", concavity=0.01), progress=stop)
-    assert not set(running("convexchild.py")) - began
+    assert [child.poll() for child in children] == [-signal.SIGKILL]
+
+
+def test_a_process_whose_starter_is_killed_ends_itself():
+    code = ("import subprocess, engine.shapes.convexparts as c; from test_segmenting import sphere, auto_segment, DEFAULT\n"
+            "real = subprocess.Popen\n"
+            "def start(*words, **options):\n"
+            "    child = real(*words, **options); print(child.pid, flush=True); return child\n"
+            "subprocess.Popen = start\n"
+            "auto_segment(sphere(5), DEFAULT.changed(method='convex', concavity=0.01))")  # fmt: skip
+    here = Path(__file__).parent
+    path = os.pathsep.join(map(str, (here, here.parent, here.parents[1])))
+    parent = subprocess.Popen([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": path}, stdout=subprocess.PIPE)
+    child = int(parent.stdout.readline())
+    assert alive(child)
+    parent.kill()
+    parent.wait()
+    deadline = time.monotonic() + 20
+    while alive(child) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not alive(child)
 
 
 def test_a_child_that_writes_rubbish_is_one_sentence(monkeypatch, tmp_path):

@@ -169,7 +169,10 @@ def truth_of(pairs: np.ndarray, h: np.ndarray, g: np.ndarray, tables: list[np.nd
 
 
 def fit(inputs: np.ndarray, truth: np.ndarray, weight: np.ndarray, seed: int, options: argparse.Namespace) -> dict[str, Any]:
-    """One network by stochastic gradients (Adam, falling rate); the loss is the weighted cross-entropy."""
+    """One network by stochastic gradients (Adam, falling rate); the loss is the weighted cross-entropy.
+
+    Each step does without some inputs, so that no single one is relied on.
+    """
     rng = np.random.default_rng(seed)
     mean, scale = inputs.mean(axis=0), inputs.std(axis=0) + 1e-6
     x = np.clip((inputs - mean) / scale, -4, 4).astype(np.float32)
@@ -183,7 +186,8 @@ def fit(inputs: np.ndarray, truth: np.ndarray, weight: np.ndarray, seed: int, op
         if step % (len(x) // batch) == 1:
             order = rng.permutation(len(x))
         rows = order[(step - 1) % (len(x) // batch) * batch :][:batch]
-        slopes = _slopes(values, layers, x[rows], truth[rows], weight[rows], options.decay)
+        seen = x[rows] * (rng.random(x.shape[1]) >= options.drop)
+        slopes = _slopes(values, layers, seen.astype(np.float32), truth[rows], weight[rows], options.decay)
         rate = options.rate * 0.5 * (1 + np.cos(np.pi * step / steps)) + 1e-5
         for v, m, s, slope in zip(values, first, second, slopes, strict=True):
             m += 0.1 * (slope - m)
@@ -323,7 +327,8 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--hidden", type=int, nargs="+", default=[48, 24])
     parser.add_argument("--epochs", type=int, default=12)
     parser.add_argument("--rate", type=float, default=2e-3)
-    parser.add_argument("--decay", type=float, default=1e-4)
+    parser.add_argument("--decay", type=float, default=1e-3)
+    parser.add_argument("--drop", type=float, default=0.1, help="share of the inputs that each step does without")
     parser.add_argument("--nets", type=int, default=3, help="networks of each stage")
     parser.add_argument("--only-prepare", action="store_true", help="fill the work folder and stop")
     parser.add_argument("--no-crossing", action="store_true", help="do not judge unseen classes")

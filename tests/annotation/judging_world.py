@@ -37,7 +37,7 @@ def result(
     for row, sides in enumerate(matches):
         for side, segments in enumerate(sides):
             members[side][row, list(segments)] = True
-    chosen = MatchParameters().changed(**parameters)
+    chosen = MatchParameters().changed(**{"method": "top-down", **parameters})
     zeros = np.zeros(count, int)
     return MatchResult(
         chosen.method, preset, chosen, source, target, np.zeros((count, 2), int), np.linspace(1, 0.5, count),

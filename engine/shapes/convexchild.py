@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 # A coarse search: the hulls are joined and their borders straightened afterwards.
-SEARCH: dict[str, Any] = {"resolution": 1000, "mcts_nodes": 10, "mcts_iterations": 30, "mcts_max_depth": 1, "merge": False}
+SEARCH: dict[str, Any] = {"preprocess_resolution": 30, "resolution": 1000, "mcts_nodes": 10, "mcts_iterations": 30,
+                          "mcts_max_depth": 1, "merge": False}  # fmt: skip
 
 
 def end_with(parent: int) -> None:

@@ -16,7 +16,7 @@ from .facegraph import FaceGraph
 from .mesh import Mesh
 from .regions import tidied
 
-LEAST_CONCAVITY = 0.01
+LEAST_CONCAVITY = 0.02
 MOST_FACES = 20_000  # finer surfaces are simplified before they are decomposed
 USUAL_SECONDS = 12.0  # only for the progress, which CoACD does not tell
 POLL = 0.05
@@ -28,7 +28,7 @@ def convex_regions(
 ) -> np.ndarray:
     """Label (m,) of each face: the hull of CoACD's decomposition that holds it, or the nearest.
 
-    Where the decomposition has fewer than `count` parts, it is made anew with half the concavity, down to 0.01; what
+    Where the decomposition has fewer than `count` parts, it is made anew with half the concavity, down to 0.02; what
     is still missing is for the caller to cut. Raises `BadInput` where CoACD cannot decompose the mesh, and whatever
     `progress` raises, after which no process is left.
     """

@@ -14,9 +14,9 @@ from .regions import joined, joining_order, numbered, tidied, whole
 from .segmentation import Segmentation
 from .segmentationparameters import CONVEX, DEFAULT, PATCHES, SegmentationParameters
 
-_WORD = "segments-1"
+_WORD = "segments-2"
 FINE = (100, 200, 400)  # patches that parts are joined of: the first number of at least twice the segments
-HULLS = (30, 60, 200)  # parts that CoACD is asked for: the first number of at least the segments
+HULLS = (20, 40, 80, 200)  # parts that CoACD is asked for: the first number of at least the segments
 MOST_CELLS = 40_000
 _SPLIT_SEED = 1
 

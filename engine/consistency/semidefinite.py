@@ -26,7 +26,7 @@ def one_thread() -> AbstractContextManager[Any]:
 @lru_cache(maxsize=1)
 def _controller() -> Any:
     import scipy.linalg  # noqa: F401  (its library must be loaded to be found)
-    from threadpoolctl import ThreadpoolController  # type: ignore[import-untyped]
+    from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()
 

@@ -5,13 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit, prange
 
-from .agreement import pack
+from ..consistency.candidates import k_best
+from ..consistency.diffusion import greedy
+from .agreement import overlap_agreement, overlap_clashes, overlap_scores, pack
 from .describing import DescribedShape
 
-FEATURES = 19
+FEATURES, OF_HYPOTHESIS = 19, 18
 LIKELY, MOST = 0.15, 500  # matches that are asked: at least so likely, and so many
 SMALL = 0.25  # share of area below which a node is small
 ROUNDS, DAMPING = 8, 0.8
+NEAREST, AGREE_FROM, OVERLAP_MIN, RATIO_MIN = 7, 0.7, 0.6, 0.5  # of a hypothesis, as the top-down method has them
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,16 +53,51 @@ def context_features(pairs: np.ndarray, probability: np.ndarray, around: Neighbo
     p = probability.astype(np.float64)
     rivals = [np.log((p + 0.01) / (_rival(pairs[:, side], p) + 0.01)) for side in (0, 1)]
     asked = _asked(pairs, p)
-    sizes = around.members_source.astype(np.float64) @ around.area_source
+    means, total = _heard(pairs, asked, p[asked], around)
+    votes = p**2 * (p > 0.2)
+    columns = [np.log((p + 1e-4) / (1 - p + 1e-4)), *rivals, *means, np.log1p(total), *_transported(pairs, votes, around)]
+    return np.stack(columns, axis=1).astype(np.float32)
+
+
+def hypothesis_features(pairs: np.ndarray, weight: np.ndarray, around: Neighbourhood) -> np.ndarray:
+    """What the set of matches that support each other most says of each candidate, (c, 18) float32.
+
+    The set is found as in the top-down method: the nearest candidates of each node by `weight` (c,), each scored by the
+    agreement of all others, then taken greedily. Features: agreement with the set as in `context_features`, a transport
+    fed by it alone, whether a candidate is in it, the logarithm of its score, and how well the set agrees in itself.
+    """
+    rows = np.flatnonzero(k_best(pairs, -weight, NEAREST, side=0) | k_best(pairs, -weight, NEAREST, side=1))
+    near = np.ascontiguousarray(pairs[rows])
+    score = overlap_scores(near, weight[rows], around.packed_source, around.packed_target, AGREE_FROM)
+
+    def conflicts(a: int, others: np.ndarray) -> np.ndarray:
+        i, j = near[a]
+        return overlap_clashes(i, j, near, others, around.packed_source, around.packed_target, OVERLAP_MIN, RATIO_MIN)
+
+    chosen = rows[greedy(near, score, conflicts)]
+    inside, strength = np.zeros(len(pairs)), np.zeros(len(pairs))
+    inside[chosen] = 1.0
+    strength[rows] = score / max(float(score.max(initial=0.0)), 1e-300)
+    means, _ = _heard(pairs, chosen, strength[chosen], around)
+    r, ratio = overlap_agreement(around.packed_source, around.packed_target, pairs[chosen][:, None], pairs[chosen][None])
+    within = float((r * ratio).mean()) if len(chosen) else 0.0
+    columns = [*means, *_transported(pairs, inside * strength, around), inside, np.log(strength + 1e-4), np.full(len(pairs), within)]
+    return np.stack(columns, axis=1).astype(np.float32)
+
+
+def _heard(
+    pairs: np.ndarray, asked: np.ndarray, weight: np.ndarray, around: Neighbourhood
+) -> tuple[list[np.ndarray], np.ndarray]:
+    """Ten weighted means over the matches `asked` (rows), each (c,), and the total weight that spoke, (c,)."""
     sums = np.zeros((len(pairs), 14))
     if len(asked):
+        sizes = around.members_source.astype(np.float64) @ around.area_source
         x, y = np.ascontiguousarray(pairs[asked].T)
-        _sums(np.ascontiguousarray(pairs[:, 0]), np.ascontiguousarray(pairs[:, 1]), x, y, p[asked], sizes[x] < SMALL,
+        _sums(np.ascontiguousarray(pairs[:, 0]), np.ascontiguousarray(pairs[:, 1]), x, y, weight, sizes[x] < SMALL,
               around.packed_source, around.packed_target, sums)  # fmt: skip
     means = [np.where(sums[:, d] > 1e-6, sums[:, n] / np.maximum(sums[:, d], 1e-6), 0.5)
              for n, d in ((1, 0), (2, 0), (3, 0), (4, 0), (6, 5), (7, 5), (9, 8), (10, 8), (12, 11), (13, 11))]  # fmt: skip
-    columns = [np.log((p + 1e-4) / (1 - p + 1e-4)), *rivals, *means, np.log1p(sums[:, 0]), *_transported(pairs, p, around)]
-    return np.stack(columns, axis=1).astype(np.float32)
+    return means, sums[:, 0]
 
 
 def _rival(node: np.ndarray, p: np.ndarray) -> np.ndarray:
@@ -83,15 +121,16 @@ def _asked(pairs: np.ndarray, p: np.ndarray) -> np.ndarray:
     return asked[p[asked] >= LIKELY][:MOST]
 
 
-def _transported(pairs: np.ndarray, p: np.ndarray, around: Neighbourhood) -> list[np.ndarray]:
+def _transported(pairs: np.ndarray, given: np.ndarray, around: Neighbourhood) -> list[np.ndarray]:
     """Shares of each node's area that a transport between the segments carries into the other node, (5, c).
 
-    Each candidate above .2 spreads p² over the pairs of its segments; the table is then brought near to the areas.
+    Each candidate spreads what it is `given` (c,) over the pairs of its segments; the table is then brought near to the
+    areas.
     """
     m, n = around.members_source.astype(np.float64), around.members_target.astype(np.float64)
     a, b = around.area_source, around.area_target
     votes = np.zeros((len(m), len(n)))
-    votes[pairs[:, 0], pairs[:, 1]] = p**2 * (p > 0.2)
+    votes[pairs[:, 0], pairs[:, 1]] = given
     flow = ((m / (m @ a)[:, None]).T @ votes @ (n / (n @ b)[:, None]) + 1e-12) * a[:, None] * b
     for _ in range(ROUNDS):
         flow *= ((a / flow.sum(axis=1)) ** DAMPING)[:, None]

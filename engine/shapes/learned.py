@@ -16,7 +16,7 @@ import numpy as np
 from ..networks import log_odds, logistic, read_networks
 from ..progress import Progress, silent
 from ..store import cache_key, digest
-from .context import Neighbourhood, context_features, neighbourhood
+from .context import Neighbourhood, context_features, hypothesis_features, neighbourhood
 from .describing import DescribedShape
 from .identity import node_id
 from .lightfield import light_field_distances
@@ -26,7 +26,11 @@ from .surfacepoints import SurfacePoints, restored, surface_points
 
 FILE = Path(__file__).with_name("learned.json")
 POINTS = 700
-VERSION = "learned/1"
+VERSION = "learned/2"
+# Columns of the first inputs by which the top-down method tells how alike nodes look, and their weights: light field
+# distance, extent, centrality.
+LOOKS = {1: 1.0, 2: 0.5, 3: 2.0}
+SCALE = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,7 +105,10 @@ def look(source: DescribedShape, target: DescribedShape, *, progress: Progress =
     looks = look_at_pairs(*sides)
     progress(0.6, "light field distances")
     lfd = light_field_distances(source.descriptors, target.descriptors, looks.pairs)
-    inputs = np.concatenate([looks.near[:, None], lfd[:, None], looks.inputs], axis=1).astype(np.float32)
+    i, j = looks.pairs.T
+    s, t = source.measures, target.measures
+    extent, centrality = (np.abs(np.log(x[i]) - np.log(y[j])) for x, y in ((s.extent, t.extent), (s.centrality, t.centrality)))
+    inputs = np.column_stack([looks.near, lfd, extent, centrality, looks.inputs]).astype(np.float32)
     return Seen(looks.pairs, inputs, neighbourhood(source, target))
 
 
@@ -114,9 +121,15 @@ def probabilities(stages: list[list[dict[str, Any]]], seen: Seen) -> np.ndarray:
 
 
 def later_inputs(seen: Seen, found: np.ndarray) -> np.ndarray:
-    """The inputs of a later stage: those of the first, the context under the outputs `found` (c, 3), and these."""
-    context = context_features(seen.pairs, found[:, :2].min(axis=1), seen.around)
-    return np.concatenate([seen.inputs, context, found], axis=1).astype(np.float32)
+    """The inputs of a later stage, (c, f): those of the first, the outputs `found` (c, 3), the context under them, and two
+    hypotheses: the set that agrees best by the looks of the nodes alone, and by these outputs."""
+    right = found[:, :2].min(axis=1)
+    looks = np.exp(-sum(weight * seen.inputs[:, column] for column, weight in LOOKS.items()) / SCALE)
+    return np.concatenate([
+        seen.inputs, context_features(seen.pairs, right, seen.around), found,
+        hypothesis_features(seen.pairs, looks.astype(np.float64), seen.around),
+        hypothesis_features(seen.pairs, right, seen.around),
+    ], axis=1).astype(np.float32)  # fmt: skip
 
 
 def average(nets: list[dict[str, Any]], inputs: np.ndarray) -> np.ndarray:

@@ -24,7 +24,7 @@ class MatchParameters(Parameters):
     """Every number of the shape pipeline. Symbols and equations are those of the thesis, chapter 3."""
 
     method: Literal["learned", "thesis", "top-down", "bottom", "hungarian", "spectral", "shed", "diffusion"] = parameter(
-        TOP_DOWN, "How matches are chosen: by probabilities that were fitted to shapes with known truth, the thesis's "
+        LEARNED, "How matches are chosen: by probabilities that were fitted to shapes with known truth, the thesis's "
         "two-stage diffusion pruning, or top-down agreement; of single segments by the thesis's first stage, the "
         "Hungarian method, spectral matching, or SHED (one-to-many); or of all nodes by the full rule of diffusion "
         "pruning.", live=True, group="Method")  # fmt: skip
@@ -186,7 +186,7 @@ class MatchParameters(Parameters):
     volume_weight: float = _weight("relative volume and area")
 
 
-DEFAULT_PRESET = "top-down"
+DEFAULT_PRESET = "learned"
 _LFD_ALONE: dict[str, Any] = {"extent_weight": 0.0, "centrality_weight": 0.0}
 _THESIS_RIGID: dict[str, Any] = {"method": THESIS, **_LFD_ALONE}
 _THESIS_NONRIGID: dict[str, Any] = {**_THESIS_RIGID, "delta_1": 0.8, "delta_2": 0.2}

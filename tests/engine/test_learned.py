@@ -1,6 +1,5 @@
 """The learned method: its rule of choice by hand, and its laws on drawn shapes."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +15,7 @@ from engine.shapes.learnedmatching import choose
 from engine.shapes.matching import match_shapes, propose, rematch
 from engine.shapes.mesh import Mesh
 from engine.shapes.parameters import preset
+from engine.shapes.proposing import geometric_distance
 from engine.shapes.segmentation import SegmentedShape
 from engine.shapes.truth import evaluate_result
 from engine.shapes.wishes import Wishes
@@ -73,10 +73,21 @@ def test_the_fitted_file_fits_what_is_seen():
     pair = make_pair("lamps", 1)
     seen = learned.look(describe(pair.source, LEARNED), describe(pair.target, LEARNED))
     assert np.isfinite(seen.inputs).all()
-    widths = [len(net["mean"]) for stage in weights()["stages"] for net in stage]
-    assert widths[0] == seen.inputs.shape[1]
-    assert set(widths[1:]) <= {seen.inputs.shape[1], seen.inputs.shape[1] + 19 + 3}
-    json.loads(learned.FILE.read_text())
+    first, *later = ({len(net["mean"]) for net in stage} for stage in weights()["stages"])
+    found = np.full((len(seen.pairs), 3), 0.5)
+    assert first == {seen.inputs.shape[1]}
+    assert all(widths == {learned.later_inputs(seen, found).shape[1]} for widths in later)
+
+
+def test_looks_are_those_of_the_top_down_method():
+    pair = make_pair("lamps", 1)
+    a, b = describe(pair.source, LEARNED), describe(pair.target, LEARNED)
+    seen, proposals = learned.look(a, b), propose(a, b, preset("top-down"))
+    expected = dict(zip(map(tuple, proposals.pairs.tolist()), geometric_distance(proposals, preset("top-down")), strict=True))
+    looks = sum(weight * seen.inputs[:, column] for column, weight in learned.LOOKS.items())
+    known = [k for k, row in enumerate(seen.pairs.tolist()) if tuple(row) in expected]
+    assert len(known) > 100
+    assert looks[known] == pytest.approx([expected[tuple(seen.pairs[k].tolist())] for k in known], abs=1e-4)
 
 
 def test_swapping_the_shapes_swaps_the_judgement():

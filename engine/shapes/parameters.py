@@ -147,7 +147,7 @@ class MatchParameters(Parameters):
         0.5, "Least probability that a match is right.", low=0.0, high=1.0, step=0.01, live=True, methods=_L,
         group=_PRUNE)  # fmt: skip
     small_first: float = parameter(
-        0.3, "How much sooner small nodes are taken: candidates are sorted by probability / size^λ.", low=0.0, high=2.0,
+        0.5, "How much sooner small nodes are taken: candidates are sorted by probability / size^λ.", low=0.0, high=2.0,
         step=0.05, symbol="λ", live=True, methods=_L, group=_PRUNE)  # fmt: skip
 
     # Pruning: top-down

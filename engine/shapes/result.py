@@ -39,10 +39,10 @@ class MatchResult:
     """The p accepted matches of a pair, best first.
 
     `pairs` (p, 2) int64 are node rows of the two graphs; `source_members` (p, s) and `target_members` (p, t) bool the
-    segments they unite; `score` (p,) float64 in [0, 1] is π of Eq 3.4 relative to the best candidate in the thesis's
-    method, the mean agreement with the other matches top-down, else what the method's own docstring says; `similarity`
-    (p,) in [0, 1] the geometric one, `votes` (p,) int64 those of Algorithm 1; `ids` are content hashes of the matches (see `identity`);
-    `wishes` are those that were honoured, and `pinned` (p,) bool marks the matches that people had pinned.
+    segments they unite; `score` (p,) float64 in [0, 1] is the probability that a match is right in the learned
+    method, π of Eq 3.4 relative to the best candidate in the thesis's, the mean agreement with the other matches top-down,
+    else what the method's own docstring says; `similarity` (p,) in [0, 1] the geometric one, `votes` (p,) int64 those of
+    Algorithm 1; `ids` are content hashes of the matches (see `identity`); `wishes` are those that were honoured, and `pinned` (p,) bool marks the matches that people had pinned.
     """
 
     method: str

@@ -2,7 +2,7 @@
 
 import hashlib
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from functools import lru_cache
 from pathlib import Path
@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import BadParameter, ConcordError
+from ..errors import BadParameter
 from ..evaluation.ceiling import Ceiling, ceiling
 from ..evaluation.correspondence import Evaluation, SizeClass, evaluate_tables
 from ..evaluation.summary import Judged
@@ -23,7 +23,7 @@ from ..shapes.result import MatchResult
 from ..shapes.truth import label_table
 from ..store import Cache, cache_key, default_cache
 from .pairs import LabelledPair, Pair, content, load_pair
-from .sweep import Result, Task
+from .sweep import Result, Task, failed
 
 FORM = "judged/1"
 _SOURCES = ("runs/judging.py", "runs/pairs.py", "matchfile.py", "evaluation/correspondence.py", "evaluation/ceiling.py")
@@ -92,8 +92,7 @@ def match_and_judge(payload: Payload, wanted: tuple[int, ...], progress: Progres
     groups = _groups(payload.methods, wanted)
     for number, group in enumerate(groups):
         step = share(progress, number / len(groups), (number + 1) / len(groups))
-        for row, outcome in _group_results(pair, payload.methods, group, step, cache):
-            results[row] = _failed(outcome) if isinstance(outcome, ConcordError) else _judged(pair, outcome)
+        results.update(_group_results(pair, payload.methods, group, step, cache))
     return [results[row] for row in wanted]
 
 
@@ -113,27 +112,20 @@ def _groups(methods: Sequence[Method], wanted: Sequence[int]) -> list[list[int]]
 
 def _group_results(
     pair: LabelledPair, methods: Sequence[Method], rows: Sequence[int], progress: Progress, cache: Cache | None
-) -> "Iterator[tuple[int, tuple[Proposals, MatchResult] | ConcordError]]":
+) -> dict[int, Result]:
+    """The results of methods that share their proposals; one that fails, however that is, leaves the others alone."""
     try:
         proposals = _proposals(pair, methods[rows[0]].parameters, progress, cache)
-    except ConcordError as error:
-        _pass_on(error)
-        yield from ((row, error) for row in rows)
-        return
+    except Exception as error:
+        return dict.fromkeys(rows, failed(error))
+    results: dict[int, Result] = {}
     for row in rows:
         try:
-            yield row, (proposals, rematch(proposals, methods[row].parameters, preset=methods[row].preset))
-        except ConcordError as error:
-            _pass_on(error)
-            yield row, error
-
-
-def _pass_on(error: ConcordError) -> None:
-    """Someone who wants the work to stop is no failure of a method."""
-    from ..errors import Cancelled
-
-    if isinstance(error, Cancelled):
-        raise error
+            result = rematch(proposals, methods[row].parameters, preset=methods[row].preset)
+            results[row] = _judged(pair, proposals, result)
+        except Exception as error:
+            results[row] = failed(error)
+    return results
 
 
 def _proposals(pair: LabelledPair, parameters: MatchParameters, progress: Progress, cache: Cache | None) -> Proposals:
@@ -142,13 +134,8 @@ def _proposals(pair: LabelledPair, parameters: MatchParameters, progress: Progre
     return propose(first, second, parameters, progress=share(progress, 0.8, 1.0), cache=cache)
 
 
-def _failed(error: ConcordError) -> Result:
-    return {"failure": str(error)}
-
-
-def _judged(pair: LabelledPair, outcome: tuple[Proposals, MatchResult]) -> Result:
+def _judged(pair: LabelledPair, proposals: Proposals, result: MatchResult) -> Result:
     """What is kept of a result: its figures, the ceiling of its nodes, and the matches as matches.json has them."""
-    proposals, result = outcome
     classes = np.unique(np.concatenate([pair.source_label, pair.target_label]))
     source, target = (
         label_table(shape, label, classes)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import BadParameter, Cancelled, ConcordError
+from ..errors import BadParameter
 from ..evaluation.correspondence import SIZE_CLASSES, WHOLE, verdicts
 from ..evaluation.retrieval import MEASURES, joined, retrieval
 from ..progress import Progress, share
@@ -17,7 +17,7 @@ from ..shapes.truth import label_table
 from ..store import cache_key, default_cache
 from .judging import code_digest
 from .pairs import LabelledPair, Pair, content, load_pair
-from .sweep import Result, Task
+from .sweep import Result, Task, failed
 
 FORM = "retrieval/1"
 WEIGHTED = ("lfd", "size", "extent", "centrality", *FEATURES)
@@ -108,20 +108,22 @@ def retrieve(payload: Payload, wanted: tuple[int, ...], progress: Progress) -> l
     is the sentence of what went wrong.
     """
     mixes = [payload.mixes[number] for number in wanted]
+    pair = load_pair(payload.pair)
     try:
-        pair = load_pair(payload.pair)
-        cache = default_cache()
-        source = describe(pair.source, payload.parameters, progress=share(progress, 0.0, 0.4), cache=cache)
-        target = describe(pair.target, payload.parameters, progress=share(progress, 0.4, 0.8), cache=cache)
-        truth = true_partners(pair, source, target)
-        every = {kind: every_pair(source, target, kind, cache=cache) for kind in dict.fromkeys(mix.lfd for mix in mixes)}
-    except Cancelled:
-        raise
-    except ConcordError as error:
-        return [{"failure": str(error), "sums": {}} for _ in mixes]
+        return _retrieved(pair, payload.parameters, mixes, progress)
+    except Exception as error:
+        return [{**failed(error), "sums": {}}] * len(mixes)
+
+
+def _retrieved(pair: LabelledPair, parameters: MatchParameters, mixes: Sequence[Mix], progress: Progress) -> list[Result]:
+    cache = default_cache()
+    source = describe(pair.source, parameters, progress=share(progress, 0.0, 0.4), cache=cache)
+    target = describe(pair.target, parameters, progress=share(progress, 0.4, 0.8), cache=cache)
+    truth = true_partners(pair, source, target)
+    every = {kind: every_pair(source, target, kind, cache=cache) for kind in dict.fromkeys(mix.lfd for mix in mixes)}
     results: list[Result] = []
     for mix in mixes:
-        distance = geometric_distance(every[mix.lfd], weighted(payload.parameters, mix))
+        distance = geometric_distance(every[mix.lfd], weighted(parameters, mix))
         results.append({"failure": "", "sums": _sums(distance.reshape(truth.shape), truth, (source, target))})
     return results
 

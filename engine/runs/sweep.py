@@ -11,6 +11,7 @@ import os
 import signal
 import threading
 import time
+import traceback
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -19,13 +20,15 @@ from pathlib import Path
 from statistics import median
 from typing import Any, NamedTuple
 
-from ..errors import BadInput
+from ..errors import BadInput, Cancelled, ConcordError
 from ..progress import Progress, silent
 from ..store import write_together
 
 Result = dict[str, Any]
 RECENT = 20  # tasks that the time left is estimated from
+MOST_WORDS = 300  # characters of an error that was not foreseen
 HEARTBEAT = 0.25  # seconds between two calls of the progress while nothing is finished
+TRACE = "trace"  # in a result: what ended it was not foreseen, so that it is worth another try
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -54,7 +57,7 @@ def run_tasks(
     for task in tasks:
         kept = [read_result(folder / f"{key}.json") for key in task.keys]
         found.update({key: result for key, result in zip(task.keys, kept, strict=True) if result is not None})
-        missing = tuple(number for number, result in enumerate(kept) if result is None)
+        missing = tuple(number for number, result in enumerate(kept) if result is None or TRACE in result)
         if missing:
             open_tasks.append((task, missing))
     run = _in_processes if jobs > 1 and len(open_tasks) > 1 else _here
@@ -78,6 +81,20 @@ def read_result(path: Path) -> Result | None:
     except (OSError, ValueError):
         return None
     return found if isinstance(found, dict) else None
+
+
+def failed(error: Exception) -> Result:
+    """What is kept of a task that went wrong: a sentence as `failure`, and the trace of an error that was not foreseen.
+
+    One pair that fails says so and the others go on; someone who wants the work to stop (`Cancelled`) is no failure.
+    """
+    if isinstance(error, Cancelled):
+        raise error
+    if isinstance(error, ConcordError):
+        return {"failure": str(error)}
+    words = " ".join(f"{type(error).__name__}: {error}".split())
+    sentence = f"An error that was not foreseen ({words[:MOST_WORDS]}); its trace is in the folder runs, and it is tried again next time."
+    return {"failure": sentence, TRACE: "".join(traceback.format_exception(error))}
 
 
 def left(total: int, ends: Sequence[float], now: float) -> str:

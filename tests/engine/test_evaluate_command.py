@@ -15,7 +15,9 @@ from engine import evaluate_commands
 from engine.__main__ import main
 from engine.cli import run
 from engine.evaluate_report import extremes
+from engine.runs import judging
 from engine.shapes.families.collection import off_text
+from engine.shapes.matching import rematch
 
 JUDGE = Path(__file__).resolve().parents[3] / "shared" / "tools" / "judge_matches.py"
 TRUTH = np.repeat([0, 1, 1, 2, 3], 12)
@@ -85,6 +87,22 @@ def test_processes_give_the_same_figures(lamps, tmp_path):
     one, two = ([{**r, "seconds": ""} for r in rows(tmp_path / jobs / "pairs.csv")] for jobs in "12")
     assert one == two
     assert len(one) == 3
+
+
+def test_a_method_that_breaks_on_one_pair_is_noted_and_the_others_go_on(lamps, tmp_path, monkeypatch, capsys):
+    def breaks(proposals, parameters, **options):
+        if parameters.method == "thesis" and proposals.source.shape.mesh.name == "2":
+            raise ValueError("operands do not fit")
+        return rematch(proposals, parameters, **options)
+
+    words = (lamps, "--methods", "top-down", "thesis", "--out", tmp_path / "out", "--jobs", "1")
+    with monkeypatch.context() as patched:
+        patched.setattr(judging, "rematch", breaks)
+        assert evaluate(*words) == 0
+    assert "Failed: thesis on lamps 2 3: An error that was not foreseen (ValueError: operands do not fit)" in capsys.readouterr().out
+    assert [bool(r["failure"]) for r in rows(tmp_path / "out" / "pairs.csv")] == [False, False, False, True]
+    assert evaluate(*words) == 0
+    assert not any(r["failure"] for r in rows(tmp_path / "out" / "pairs.csv"))
 
 
 def judge():

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from engine.errors import BadInput, Cancelled
-from engine.runs.sweep import Task, left, read_result, run_tasks
+from engine.runs.sweep import Task, failed, left, read_result, run_tasks
 
 
 def square(payload, wanted, progress):
@@ -177,3 +177,19 @@ def test_the_time_left_is_told_from_the_pace_of_the_last_tasks():
     assert left(10, [0.0, 2.0, 4.0], 5.0) == "2 of 10, about 15 s left"
     assert left(240, [0.0, 30.0, 60.0, 500.0], 500.0) == "3 of 240, about 118 min left"
     assert left(2, [0.0, 1.0, 2.0], 2.0) == "2 of 2"
+
+
+def test_an_error_that_nobody_foresaw_is_told_and_tried_again(tmp_path):
+    def once(payload, wanted, progress):
+        try:
+            raise ZeroDivisionError("by hand,\n twice")
+        except ZeroDivisionError as error:
+            return [failed(error)] * len(wanted)
+
+    found = run_tasks(tasks(1), once, tmp_path)
+    assert "(ZeroDivisionError: by hand, twice)" in found["a0"]["failure"]
+    assert "test_runs_sweep.py" in found["a0"]["trace"]
+    assert values(run_tasks(tasks(1), square, tmp_path)) == {"a0": 0, "b0": 1}
+    assert failed(BadInput("The file has gone.")) == {"failure": "The file has gone."}
+    with pytest.raises(Cancelled):
+        failed(Cancelled())

@@ -228,7 +228,14 @@ def light_field_distances(a: np.ndarray, b: np.ndarray, pairs: np.ndarray) -> np
     View distance: L1 of the 45 coefficients. Shape distance: the least mean over the ten views, over all pairs of
     light fields and the 60 rotations. Symmetric: swapping `a` and `b` gives the same numbers.
     """
-    return _pair_distances(a, b, pairs, axis_permutations())
+    return _pair_distances(_plain(a), _plain(b), _plain(pairs), axis_permutations())
+
+
+def _plain(values: np.ndarray) -> np.ndarray:
+    """The values in C order and read-only: one compiled loop for all, since others add up in another order."""
+    view = np.ascontiguousarray(values).view()
+    view.flags.writeable = False
+    return view
 
 
 @njit(cache=True, nogil=True, parallel=True, fastmath=True)

@@ -184,6 +184,18 @@ def test_distances_agree_with_the_definition(lamp):
     assert found == pytest.approx(best, rel=1e-5)
 
 
+def test_how_arrays_lie_in_memory_changes_no_bit():
+    a, b = np.random.default_rng(0).random((2, 12, 1, 10, 45), dtype=np.float32)
+    pairs = np.argwhere(np.ones((12, 12), dtype=bool))
+    wanted = light_field_distances(a, b, pairs)
+    spread = np.zeros((24, 1, 10, 45), dtype=np.float32)
+    spread[::2] = a
+    kept = b.copy()
+    kept.flags.writeable = False
+    assert np.array_equal(light_field_distances(spread[::2], b, pairs), wanted)
+    assert np.array_equal(light_field_distances(a, kept, np.asfortranarray(pairs)), wanted)
+
+
 def test_signature_distance_by_hand_and_never_above_the_exact_one(lamp):
     members = np.random.default_rng(0).random((20, 5)) < 0.5
     members[:, 0] |= ~members.any(axis=1)

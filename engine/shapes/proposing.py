@@ -157,10 +157,15 @@ def with_judgement(proposals: Proposals, *, progress: Progress = silent) -> Prop
     """
     if proposals.judged is not None:
         return proposals
-    if LEARNED not in proposals._memory:
+    if not is_judged(proposals):
         judged = judge(proposals.source, proposals.target, progress=progress)
         proposals._memory[LEARNED] = replace(_with_more(proposals, judged.pairs), judged=judged)
     return proposals._memory[LEARNED]  # type: ignore[return-value]
+
+
+def is_judged(proposals: Proposals) -> bool:
+    """Whether `with_judgement` answers at once."""
+    return proposals.judged is not None or LEARNED in proposals._memory
 
 
 def codes(pairs: np.ndarray) -> np.ndarray:

@@ -85,6 +85,19 @@ def listed(state: "State", order: str = "") -> list[Match]:
     return arranged(chosen, order or state.order, state.verdicts, state.support)
 
 
+def empty_words(state: "State") -> str:
+    """Why the list shows nothing, and what to do; '' where it does show something, or nothing was matched yet."""
+    if state.result is None or listed(state):
+        return ""
+    if state.shown == "wishes":
+        return "Nothing is pinned or forbidden yet. Select a match and press K to pin it, X to forbid it."
+    if not state.matches():
+        return "No matches with these parameters."
+    if any(shows(m, state.shown, state.main) for m in state.matches()):
+        return "The other shapes support no match so well; move the slider to the left."
+    return f"None of the matches is of this kind; choose {SHOWN['all']} above."
+
+
 def any_known(ids: Iterable[str], support: Mapping[str, float]) -> bool:
     """Whether the support of any of these matches is known."""
     return any(not math.isnan(support.get(match_id, math.nan)) for match_id in ids)
@@ -141,6 +154,7 @@ def share_text(value: float) -> str:
 
 
 _PI = "of the best match's confidence π"
+_AGREE = "mean agreement with the others"
 _SCORES = {
     "thesis": _PI,
     "bottom": _PI,
@@ -148,14 +162,25 @@ _SCORES = {
     "hungarian": "what is left of the largest distance allowed",
     "spectral": "of the greatest entry in the principal eigenvector",
     "shed": "mean affinity with the others",
+    "top-down": _AGREE,
+    "learned": "probability that the match is right",
 }
+_FITTED = "from 0 to 1, as fitted to shapes whose true matches are known"
+
+
+def score_help(method: str) -> str:
+    """What the score of a method is, in a sentence."""
+    meaning = _SCORES.get(method, _AGREE)
+    if method == "learned":
+        return f"Score: the {meaning}, {_FITTED}"
+    return f"Score: share {meaning}" if meaning.startswith("of ") else f"Score: {meaning}, from 0 to 1"
 
 
 def reasons(match: Match, result: MatchResult) -> list[tuple[str, str]]:
     """Why a match was kept, as (heading, text) rows."""
     p = result.parameters
     similarity = share_text(match.similarity)
-    meaning = _SCORES.get(p.method, "mean agreement with the others")
+    meaning = _SCORES.get(p.method, _AGREE)
     if meaning == _PI:
         similarity += f"  (at least {share_text(p.lfd_threshold)} is asked)"
     score = f"{share_text(match.score)}  {meaning}"

@@ -104,6 +104,8 @@ class Files(QObject):
     def drop(self, paths: list[str]) -> None:
         """Open what was dropped: two meshes at once or one after the other, with their labels, a study, a collection, or a
         puzzle."""
+        from engine.shapes.meshfile import MESH_SUFFIXES
+
         if self.window.collection.takes(paths):
             self.window.collection.open(paths)
             return
@@ -111,6 +113,11 @@ class Files(QObject):
             self.window.puzzle.drop(paths)
             return
         meshes, labels, studies = sorted_drop(paths)
+        strange = [path for path in meshes if Path(path).suffix.lower() not in MESH_SUFFIXES]
+        if strange:
+            self.window.say(f"{Path(strange[0]).name} is nothing that Concord opens; drop meshes ({', '.join(MESH_SUFFIXES)}), "
+                            "pictures or a folder of them.")  # fmt: skip
+            return
         if studies:
             self.window.judging.open(studies[0])
         if self.waiting and len(meshes) == 1:

@@ -3,7 +3,7 @@
 from typing import Any
 
 from PySide6.QtCore import QAbstractTableModel, QItemSelectionModel, QModelIndex, Qt, Signal
-from PySide6.QtGui import QColor, QIcon, QResizeEvent
+from PySide6.QtGui import QColor, QIcon, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTableView, QWidget
 
 from engine.shapes.result import Match
@@ -15,9 +15,11 @@ from .arrange import (
     ORDERS,
     SYMBOLS,
     any_known,
+    empty_words,
     forbidden,
     listed,
     match_text,
+    score_help,
     share_text,
     short_text,
     state_of,
@@ -27,7 +29,7 @@ from .arrange import (
 _HEADS = ("", "match", "score", "votes", "layers", "support")
 _SUPPORT, _LAYERS = 5, 4
 _TIPS = ("What the majority of volunteers says", "Segments of the source → segments of the target",
-         "Confidence relative to the best match", "Votes of the hierarchical voting",
+         "", "Votes: how many other matches contain it on both sides",
          "Layer of the source's node – layer of the target's",
          "How far the other shapes of the collection agree")  # fmt: skip
 
@@ -61,7 +63,8 @@ class MatchModel(QAbstractTableModel):
         if orientation != Qt.Orientation.Horizontal:
             return None
         if role == Qt.ItemDataRole.ToolTipRole:
-            return _TIPS[section] + "; click to sort"
+            method = self.state.parameters.method if self.state.result is None else self.state.result.method
+            return (_TIPS[section] or score_help(method)) + "; click to sort"
         if role == Qt.ItemDataRole.TextAlignmentRole:
             return _alignment(section)
         return _HEADS[section] if role == Qt.ItemDataRole.DisplayRole else None
@@ -154,6 +157,17 @@ class MatchList(QTableView):
         super().resizeEvent(event)
         if self.currentIndex().isValid():
             self.scrollTo(self.currentIndex())
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """An empty list says why."""
+        super().paintEvent(event)
+        words = "" if self.rows.rows else empty_words(self.rows.state)
+        if words:
+            painter = QPainter(self.viewport())
+            painter.setPen(QColor(theme(self.rows.state.dark).soft_ink))
+            room = self.viewport().rect().adjusted(16, 16, -16, -16)
+            painter.drawText(room, Qt.AlignmentFlag.AlignHCenter | Qt.TextFlag.TextWordWrap, words)
+            painter.end()
 
     def keyboardSearch(self, search: str) -> None:
         """Letters are for judging here, not for jumping to a row."""

@@ -3,14 +3,14 @@
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject, Signal
 
 from engine.parameters import declared
 from engine.progress import Progress, share
 from engine.shapes.carrying import carried
-from engine.shapes.parameters import MatchParameters, preset
+from engine.shapes.parameters import LEARNED, MatchParameters, preset
 from engine.shapes.segmentation import SegmentedShape
 from engine.shapes.wishes import NO_WISHES, Wishes
 from engine.store import default_cache
@@ -19,7 +19,10 @@ from ..jobs import FOLLOW, Jobs
 from ..session import Session, State
 from .arrange import main_ids
 
-NOTHING, REMATCH, MATCH = "nothing", "rematch", "match"
+if TYPE_CHECKING:
+    from engine.shapes.proposing import Proposals
+
+NOTHING, REMATCH, JUDGE, MATCH = "nothing", "rematch", "judge", "match"
 _SLOW = tuple(info.name for info in declared(MatchParameters) if not info.live)
 
 
@@ -36,7 +39,13 @@ def needed(state: State) -> str:
     if state.result is not None and (state.result.parameters, state.result.preset, state.result.wishes) == wanted:
         return NOTHING
     ready = state.proposals is not None and state.prepared_with is not None
-    return REMATCH if ready and slow_values(state.prepared_with) == slow_values(state.parameters) else MATCH
+    if not ready or slow_values(state.prepared_with) != slow_values(state.parameters):
+        return MATCH
+    if state.parameters.method != LEARNED:
+        return REMATCH
+    from engine.shapes.proposing import is_judged
+
+    return REMATCH if is_judged(state.proposals) else JUDGE
 
 
 def lost_text(lost: int) -> str:
@@ -65,6 +74,7 @@ class Matching(QObject):
         self.session, self.jobs = session, jobs
         self.cache = default_cache()
         self._key: tuple[Any, ...] = ()
+        self._judging: Any = None
         session.changed.connect(self._changed)
 
     def open_pair(self, source: str, target: str, labels: tuple[str | None, str | None] = (None, None),
@@ -130,12 +140,14 @@ class Matching(QObject):
         if not names & {"source", "target", "parameters", "preset", "proposals", "result", "wishes"}:
             return
         what = needed(state)
-        if what == NOTHING:
-            self.jobs.cancel("match")
-        elif what == REMATCH:
-            self.jobs.cancel("match")
+        for channel in ({"match"} if what != MATCH else set()) | ({"judge"} if what != JUDGE else set()):
+            if self.jobs.busy(channel):
+                self.jobs.cancel(channel)
+        if what == REMATCH:
             self._start_rematch(state)
-        else:
+        elif what == JUDGE:
+            self._start_judging(state.proposals)
+        elif what == MATCH:
             self._start_match(state)
 
     def _carry(self, old: State, state: State) -> bool:
@@ -170,6 +182,16 @@ class Matching(QObject):
                 self._take(seconds, result=result, main=main)
 
         self.jobs.start("rematch", _timed(work), done, policy=FOLLOW)
+
+    def _start_judging(self, proposals: "Proposals") -> None:
+        """Let the learned method look at pairs that were made for another one, which takes a second or two."""
+        from engine.shapes.proposing import with_judgement
+
+        if self._judging is proposals and self.jobs.busy("judge"):
+            return  # under way; what is live follows when it has come
+        self._judging = proposals
+        self.jobs.start("judge", lambda progress: with_judgement(proposals, progress=progress), lambda _: self.again(),
+                        words="Judging pairs")  # fmt: skip
 
     def _start_match(self, state: State) -> None:
         key = (id(state.source), id(state.target), slow_values(state.parameters))

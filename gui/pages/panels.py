@@ -5,7 +5,7 @@ from PySide6.QtWidgets import QFormLayout, QHBoxLayout, QLabel, QLineEdit, QPush
 
 from ..palette import Theme, theme
 from ..session import State
-from .arrange import reasons, state_of, support_text
+from .arrange import reasons, score_help, state_of, support_text
 from .wishing import count_text, wish_of
 
 ANSWER_WORDS = {"wrong": ("✗  Wrong", "F"), "unsure": ("?  Unsure", "Space"), "correct": ("✓  Correct", "J")}
@@ -55,6 +55,9 @@ class WhyPanel(QWidget):
             self.form.labelForField(value).setVisible(match is not None)
             value.setText(dict(reasons(match, state.result)).get(name, "") if match else "")
         if match is not None:
+            method = state.parameters.method if state.result is None else state.result.method
+            for part in (self.values["Score"], self.form.labelForField(self.values["Score"])):
+                part.setToolTip(score_help(method))
             own, all_ = state.answers.get(match.id, "not yet"), state_of(match.id, state.verdicts)
             text = support_text(match.id, state.support)
             self.values["Support"].setText(f"{text}  by the other shapes of the collection")

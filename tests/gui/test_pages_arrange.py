@@ -1,11 +1,13 @@
 """What lists, layers and lines say: pure functions on a result written by hand."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from annotation.study import VotingProgress
+from engine.shapes.matching import METHODS
 from engine.shapes.multilayer import MultiLayerGraph
 from engine.shapes.parameters import preset
 from engine.shapes.result import Match, MatchResult, ShapeRecord
@@ -13,11 +15,13 @@ from gui.folders import MOST_RECENT, with_recent
 from gui.pages.arrange import (
     SHOWN,
     arranged,
+    empty_words,
     main_ids,
     match_text,
     merged,
     next_unanswered,
     reasons,
+    score_help,
     share_text,
     short_notes,
     short_text,
@@ -29,6 +33,7 @@ from gui.pages.files import labels_for, sorted_drop
 from gui.pages.layers import Place, layer_words, node_list, step_layer, step_node
 from gui.pages.questions import progress_text
 from gui.pages.status import judged_text, left_text, seconds_text
+from gui.session import State
 
 A = Match("a", (0,), (1,), 1.0, 5, 1, 1, 0.95)
 B = Match("b", (1, 2), (0,), 0.8, 7, 2, 1, 0.90)
@@ -105,6 +110,24 @@ def test_reasons_name_segments_layers_and_thresholds(result):
     assert ".80" in said["Similarity"]
     assert "π" in said["Score"]
     assert said["Votes"].startswith("7")
+
+
+def test_the_learned_score_is_said_to_be_a_probability(result):
+    learned = replace(result, method="learned", parameters=preset("learned"))
+    assert dict(reasons(B, learned))["Score"] == ".80  probability that the match is right"
+    assert score_help("learned") == (
+        "Score: the probability that the match is right, from 0 to 1, as fitted to shapes whose true matches are known")
+    said = {method: score_help(method) for method in METHODS}
+    assert len(set(said.values())) == 6  # the three that walk on candidates say the same
+    assert all(text.startswith("Score: ") for text in said.values())
+
+
+def test_an_empty_list_says_why(result):
+    state = State(result=result, main=frozenset("ab"))
+    assert empty_words(State()) == empty_words(state) == ""
+    assert "press K" in empty_words(replace(state, shown="wishes"))
+    assert "move the slider" in empty_words(replace(state, support={"a": 0.2, "b": 0.1}, least_support=0.5))
+    assert "choose All matches" in empty_words(replace(state, main=frozenset()))
 
 
 @pytest.mark.parametrize(("value", "text"), [(0.926, ".93"), (0.0, ".00"), (1.0, "1.00"), (0.996, "1.00"), (0.994, ".99")])

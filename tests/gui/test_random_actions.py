@@ -1,0 +1,143 @@
+"""Hundreds of random actions on all pages of shapes: no exception, no widget left behind, and the window still works."""
+
+import random
+
+import numpy as np
+import pytest
+from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QInputDialog
+
+from engine.shapes.families.collection import off_text
+from gui import actions
+from gui.main_window import MainWindow
+from gui.pages.arrange import SHOWN
+
+ACTIONS = 500
+
+
+def settle(window, qtbot):
+    qtbot.waitUntil(lambda: not window.jobs.busy() and not window.study_jobs.busy(), timeout=60_000)
+
+
+@pytest.fixture
+def meshes(tmp_path, make_bar):
+    """Three bars, the last without labels, and a file that is none."""
+    paths = []
+    for sections, name in ((4, "long"), (3, "short"), (5, "bare")):
+        bar = make_bar(sections)
+        paths.append(tmp_path / f"{name}.off")
+        paths[-1].write_text(off_text(bar.mesh))
+        if name != "bare":
+            paths[-1].with_suffix(".seg").write_text("\n".join(map(str, bar.segmentation.labels)))
+    (tmp_path / "broken.off").write_text("OFF\n1 1 0\n0 0")
+    return [str(path) for path in paths]
+
+
+@pytest.fixture
+def window(qtbot, tmp_path, monkeypatch):
+    monkeypatch.setenv("CONCORD_HOME", str(tmp_path / "data"))
+    monkeypatch.setenv("CONCORD_CACHE", str(tmp_path / "cache"))
+    for name in ("getOpenFileName", "getSaveFileName"):
+        monkeypatch.setattr(QFileDialog, name, lambda *_, **__: ("", ""))
+    monkeypatch.setattr(QFileDialog, "getOpenFileNames", lambda *_, **__: ([], ""))
+    monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_, **__: "")
+    monkeypatch.setattr(QInputDialog, "getText", lambda *_, **__: ("", False))
+    made = MainWindow(dark=False)
+    made.furnish()
+    qtbot.addWidget(made)
+    made.show()
+    qtbot.waitUntil(lambda: made.judging.handle is not None)
+    yield made
+    made.close()
+
+
+class Hands:
+    """What a hand can do beside the commands, wherever it happens to be."""
+
+    def __init__(self, window, meshes, rng):
+        self.window, self.meshes, self.rng = window, meshes, rng
+        window.segments.ask = lambda _text, _more, answers: rng.choice(list(answers))
+        self.commands = [row.id for row in actions.TABLE if row.id not in ("quit", "solve", "alone")]
+        self.kinds = (self.command, self.command, self.command, self.slide, self.prefer, self.look, self.segment, self.support,
+                      self.part, self.edit_segments, self.number, self.collection_value, self.drop)  # fmt: skip
+
+    def __call__(self):
+        self.rng.choice(self.kinds)()
+
+    def command(self):
+        action = self.window.actions_by_id[self.rng.choice(self.commands)]
+        action.trigger() if action.isEnabled() else None
+
+    def slide(self):
+        row = self.rng.choice([r for r in self.window.shapes.form.rows.values() if r.slider and r.info.live])
+        row.slider.setValue(self.rng.randint(0, row.slider.maximum()))
+
+    def prefer(self):
+        presets = self.window.shapes.presets
+        presets.textActivated.emit(presets.itemText(self.rng.randrange(presets.count())))
+
+    def look(self):
+        self.window.shapes.filter.activated.emit(self.rng.randrange(len(SHOWN)))
+        self.window.shapes.list.ordered.emit(self.rng.choice(("score", "-votes", "support", "state")))
+
+    def segment(self):
+        self.window.shapes.view.segment_clicked.emit(self.rng.randint(0, 1), self.rng.randint(0, 2))
+
+    def support(self):
+        self.window.shapes.least.slider.setValue(self.rng.randint(0, 20))
+
+    def part(self):
+        desk = self.window.collection
+        found, page = desk.session.state.found, desk.page.made
+        if found is not None:
+            page.view.part_clicked.emit(self.rng.randint(-1, found.part_count - 1))
+            page.view.shape_clicked.emit(self.rng.randrange(len(found.names)))
+            page.pair_wanted.emit(self.rng.randrange(len(found.pairs)))
+
+    def edit_segments(self):
+        desk = self.window.segments
+        if desk.state.labels is None:
+            return
+        face = self.rng.randrange(len(desk.state.labels))
+        self.rng.choice((
+            lambda: desk.pick(face, False), lambda: desk.pick(face, True), lambda: desk.paint([face]), desk.session.settle,
+            lambda: desk.cut(np.arange(desk.state.shape.mesh.vertices.shape[0]) - self.rng.randint(3, 12) + 0.5, face),
+            lambda: desk.edit_parameter("segments", self.rng.randint(2, 9), True), desk.segment, desk.done,
+        ))()  # fmt: skip
+
+    def number(self):
+        row = self.rng.choice(self.window.shapes.automatic.rows)
+        if not row.isHidden():
+            row.numbered.emit(self.rng.randint(2, 9))
+
+    def collection_value(self):
+        row = self.rng.choice([r for r in self.window.collection.page.made.form.rows.values() if r.slider]
+                              if self.window.collection.page.made else [None])  # fmt: skip
+        if row is not None:
+            row.slider.setValue(self.rng.randint(0, row.slider.maximum()))
+
+    def drop(self):
+        broken = self.meshes[0].replace("long.off", "broken.off")
+        self.window.files.drop(self.rng.choice((self.meshes[:2], self.meshes[1:], self.meshes, [self.meshes[0], broken], ["x.pdf"])))
+
+
+def test_hundreds_of_random_actions_leave_nothing_behind(window, meshes, qtbot, monkeypatch):
+    unexpected, widgets = [], []
+    monkeypatch.setattr("sys.excepthook", lambda kind, error, trace: unexpected.append(error))
+    window.jobs.failed.connect(lambda text, _: unexpected.append(text) if "should not have" in text else None)
+    window.judging.failed.connect(lambda *texts: unexpected.append(texts))
+    act = Hands(window, meshes, random.Random(7))
+    for step in range(ACTIONS):
+        act()
+        QApplication.processEvents()
+        for dialog in window.findChildren(QDialog):
+            dialog.reject()
+        assert unexpected == [], f"step {step}"
+        if step % 50 == 49:
+            settle(window, qtbot)
+            widgets.append(len(QApplication.allWidgets()))
+    assert unexpected == []
+    assert widgets[-1] - widgets[1] < 60, widgets  # tiles of a collection, rows of menus, open inspectors: no steady growth
+    window.segments.ask = lambda *_: "discard"
+    window.files.pair(*meshes[:2])
+    settle(window, qtbot)
+    assert np.isfinite(window.session.state.result.score).all()

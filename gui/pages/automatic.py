@@ -12,11 +12,12 @@ from engine.store import default_cache
 
 from ..jobs import Jobs
 from ..session import Session, State
+from .elided import ElidedLabel
 
 if TYPE_CHECKING:
     from .matching import Matching
 
-FEWEST, USUAL_MOST, PAUSE = 2, 60, 350
+FEWEST, USUAL_MOST, PAUSE, SLIDER_WIDTH = 2, 60, 350, 160
 
 
 def automatic_words(shape: SegmentedShape) -> str:
@@ -32,21 +33,19 @@ class AutomaticRow(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.words, self.number = QLabel("", self), QLabel("", self)
-        self.words.setObjectName("soft")
+        self.words, self.number = ElidedLabel("", self, objectName="soft"), QLabel("", self)
         self.number.setMinimumWidth(88)
         self.slider = QSlider(Qt.Orientation.Horizontal, self, minimum=FEWEST, maximum=USUAL_MOST)
         self.slider.setToolTip("Number of segments; the pair is matched again")
-        self.slider.setMaximumWidth(280)
+        self.slider.setFixedWidth(SLIDER_WIDTH)
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.edit = QPushButton("Edit…", self, toolTip="Merge, split and repaint the segments by hand")
         self.edit.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         row = QHBoxLayout(self)
         row.setContentsMargins(8, 4, 8, 4)
         row.setSpacing(8)
-        row.addWidget(self.words)
-        row.addStretch(1)
-        row.addWidget(self.slider, 1)
+        row.addWidget(self.words, 1)
+        row.addWidget(self.slider)
         row.addWidget(self.number)
         row.addWidget(self.edit)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE)

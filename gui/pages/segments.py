@@ -26,6 +26,7 @@ from ..palette import segment_colours, theme
 from ..parameter_form import ParameterForm
 from ..session import Session
 from ..views.segment_canvas import BRUSH, CUT, SELECT, SegmentCanvas
+from .elided import ElidedLabel
 from .segment_state import EditState
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ class SegmentsPage(QWidget):
         self.view = SegmentCanvas(self)
         self.form = ParameterForm(SegmentationParameters, self)
         self.hint = QLabel("", self, objectName="soft")
-        self.title, self.facts = QLabel("", self, objectName="page-heading"), QLabel("", self, objectName="soft")
+        self.title, self.facts = ElidedLabel("", self, objectName="page-heading"), QLabel("", self, objectName="soft")
         self.list = QListWidget(self)
         self.panel = self._panel()
         row = QHBoxLayout(self)
@@ -233,8 +234,11 @@ class SegmentsPage(QWidget):
             return
         area = np.bincount(state.labels, state.graph.area)
         colours = segment_colours(len(area))
-        for label, name in names_of(state.labels, state.names).items():
-            item = QListWidgetItem(swatch(colours[label]), f"{name}   {100 * area[label] / area.sum():.1f} % of the surface")
+        names = names_of(state.labels, state.names)
+        widest = max(len(str(name)) for name in names.values())
+        for label, name in names.items():
+            aligned = str(name).rjust(widest, "\u2007")  # a space as wide as a digit
+            item = QListWidgetItem(swatch(colours[label]), f"{aligned}   {100 * area[label] / area.sum():.1f} % of the surface")
             item.setData(Qt.ItemDataRole.UserRole, label)
             self.list.addItem(item)
 

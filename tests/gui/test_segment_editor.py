@@ -210,6 +210,20 @@ def test_a_mesh_without_labels_opens_with_a_notice_and_a_slider(window, qtbot, t
     assert bar.rows[0].slider.value() == 14
 
 
+def test_long_names_are_cut_and_do_not_widen_the_window(window, qtbot, tmp_path, make_bar):
+    name = "a_bar_that_somebody_scanned_in_a_museum_" * 4
+    window.files.pair(bar_file(tmp_path, make_bar(5), name, labels=False), bar_file(tmp_path, make_bar(4), "short"))
+    settle(window, qtbot)
+    window.resize(1024, 700)
+    QApplication.processEvents()
+    assert window.width() == 1024
+    words = window.shapes.automatic.rows[0].words
+    assert words.toolTip() == words.text() == f"{name} has no labels and was cut automatically."
+    assert words.shown().startswith("a_bar")
+    assert words.shown().endswith("cut automatically.")
+    assert words.fontMetrics().horizontalAdvance(words.shown()) <= words.width()
+
+
 def press(view, kind, at, button=Qt.MouseButton.LeftButton, modifiers=Qt.KeyboardModifier.NoModifier):
     held = Qt.MouseButton.NoButton if kind == QEvent.Type.MouseButtonRelease else button
     event = QMouseEvent(kind, QPointF(at), view.mapToGlobal(QPointF(at)), button, held, modifiers)

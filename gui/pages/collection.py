@@ -36,6 +36,11 @@ from .support import LeastSupport
 
 PANEL_WIDTH = 340
 EMPTY = "Drop three or more meshes here, or a folder that holds them"
+HEAD_TIPS = {
+    "shapes": "How many shapes have the part", "area": "Its share of the surface, on average over these shapes",
+    "matches": "Matches of the pair; with a least support, how many of them have it",
+    "support": "Mean support of the matches by the other shapes, from 0 to 1",
+}  # fmt: skip
 KIND_WORDS = {"cycles": "Ways around by third shapes", "matchlift": "MatchLift on all segments"}
 
 
@@ -121,6 +126,8 @@ class CollectionPage(QWidget):
             stretched = column == wide
             head.setSectionResizeMode(column, QHeaderView.ResizeMode.Stretch if stretched else QHeaderView.ResizeMode.Fixed)
             table.setColumnWidth(column, 30 if heads[column] == "" else 84 if heads[column] == "matches" else 64)
+            table.horizontalHeaderItem(column).setToolTip(HEAD_TIPS.get(heads[column], ""))
+        table.horizontalHeaderItem(wide).setTextAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
         return table
 
     def _panel(self) -> QTabWidget:
@@ -171,7 +178,6 @@ class CollectionPage(QWidget):
         self.view.part_clicked.connect(lambda part: self.session.update(part=part))
         self.view.shape_clicked.connect(self.shape_clicked)
         self.parts.currentCellChanged.connect(lambda row, *_: self.session.update(part=row) if row >= 0 else None)
-        self.pairs.cellDoubleClicked.connect(lambda row, _: self.pair_wanted.emit(row))
         self.pairs.cellActivated.connect(lambda row, _: self.pair_wanted.emit(row))
         self.kind.activated.connect(lambda row: self.edited.emit("support", KINDS[row], True))
         self.least.moved.connect(self.least_moved)

@@ -61,6 +61,7 @@ class CollectionDesk(QObject):
         self.seconds = ""
         self.session.changed.connect(self._changed)
         window.session.changed.connect(self._follow)
+        window.jobs.started.connect(lambda _: self.show_status())
         window.jobs.idle.connect(self.show_status)
 
     def _make(self) -> QWidget:

@@ -11,6 +11,7 @@ import pytest
 from annotation.study import answers, majority, open_study, record_vote
 from annotation.study import item as study_item
 from assets import example_pairs
+from engine.shapes.parameters import DEFAULT_PRESET, PRESETS
 from gui import display
 from gui.__main__ import main
 
@@ -111,11 +112,11 @@ def test_the_demo_goes_from_meshes_and_pieces_to_a_precision_table(tmp_path, mon
         written = {path.name for path in (tmp_path / "out" / folder).iterdir()}
         assert {"solution.json", "joins.csv", "assembled.png", "report.html"} <= written
     said = capsys.readouterr().out
-    assert "top-down" in said
+    assert DEFAULT_PRESET in said
     assert "120 of 120 pieces of grace_hopper stand where they belong" in said
     assert main(["study", "table", str(tmp_path / "out" / "demo.study"), "--format", "csv"]) == 0
     rows = {(row["method"], row["preset"], row["set"]): row for row in csv.DictReader(io.StringIO(capsys.readouterr().out))}
-    assert ("top-down", "top-down", "lamps") in rows
+    assert (PRESETS[DEFAULT_PRESET].method, DEFAULT_PRESET, "lamps") in rows
     auto, ssd = rows["auto", "learned", "grace_hopper"], rows["mst", "ssd", "grace_hopper"]
     assert (auto["judged"], auto["correct"]) == ("218", "218")  # 10 × 12 squares have 218 neighbours
     assert int(ssd["correct"]) <= 218

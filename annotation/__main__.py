@@ -58,7 +58,8 @@ def create(
     with create_study(file, name=name or file.stem, question=question) as handle:
         for run in runs:
             add_run(handle, run)
-    print(f"{file}: {len({p.item.id for run in runs for p in run.proposals})} matches of {len(runs)} results.")
+    results = "1 result" if len(runs) == 1 else f"{len(runs)} results"
+    print(f"{file}: {len({p.item.id for run in runs for p in run.proposals})} matches of {results}.")
 
 
 @app.command
@@ -76,7 +77,7 @@ def add(file: Path, matches: list[Path], /, *, set_name: SetName = "") -> None:
     with open_study(file) as handle:
         for run in runs:
             add_run(handle, run)
-    print(f"{file}: {len(runs)} results added.")
+    print(f"{file}: {len(runs)} {'result' if len(runs) == 1 else 'results'} added.")
 
 
 @app.command
@@ -139,6 +140,8 @@ def wishes(
     out: Path,
     source_labels: Path | None = None,
     target_labels: Path | None = None,
+    segments: int | None = None,
+    segmentation: str | None = None,
 ) -> None:
     """Write what the majority says of the pair SOURCE, TARGET as wishes: correct is pinned, wrong is forbidden.
 
@@ -158,11 +161,15 @@ def wishes(
         Labels of the first mesh, where they do not lie beside it.
     target_labels
         The same for the second mesh.
+    segments
+        As for `concord match`, of whose automatic segments the study is.
+    segmentation
+        The same: parts, patches or convex.
     """
-    from engine.shapes.meshfile import load_shape
+    from engine.segment_commands import loaded
     from engine.shapes.wishfile import write_wishes
 
-    shapes = load_shape(source, source_labels), load_shape(target, target_labels)
+    shapes = loaded((source, source_labels), (target, target_labels), count=segments, method=segmentation)
     found = read_voted_wishes(file, *shapes)
     write_wishes(out, found.wishes, *shapes)
     print(f"{out}: {found.sentence()}")

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from sqlalchemy import select
 
+from engine.errors import BadInput
 from engine.shapes.identity import match_id, node_id, segment_ids
 from engine.shapes.segmentation import SegmentedShape
 from engine.shapes.wishes import Node, Pair, Wishes
@@ -29,18 +30,23 @@ class VotedWishes(NamedTuple):
     def sentence(self) -> str:
         """What was taken, for a person."""
         wishes = self.wishes
-        text = f"{len(wishes.pinned)} pinned and {len(wishes.forbidden)} forbidden by the votes on {self.items} matches of this pair"
+        matches = "1 match" if self.items == 1 else f"{self.items} matches"
+        text = f"{len(wishes.pinned)} pinned and {len(wishes.forbidden)} forbidden by the votes on {matches} of this pair"
         if self.undecided:
-            text += f"; {self.undecided} are undecided"
+            text += f"; {self.undecided} {'is' if self.undecided == 1 else 'are'} undecided"
         if self.excluded:
             text += f"; {self.excluded} called correct exclude others with more votes and were left out"
         return text + "."
 
 
 def read_voted_wishes(path: Path, source: SegmentedShape, target: SegmentedShape) -> VotedWishes:
-    """The wishes that the votes of a study file make for two shapes; raises `BadInput`."""
+    """The wishes that the votes of a study file make for two shapes; raises `BadInput`, also where it holds none of their matches."""
     with open_study(path, backup=False) as handle:
-        return voted_wishes(handle, source, target)
+        found = voted_wishes(handle, source, target)
+    if not found.items:
+        raise BadInput(f"{path} holds no match of {source.mesh.name} and {target.mesh.name} with these segments; give the study "
+                       "that their results are in, and the labels that they had.")  # fmt: skip
+    return found
 
 
 def voted_wishes(handle: StudyFile, source: SegmentedShape, target: SegmentedShape, *, round: int = 1) -> VotedWishes:

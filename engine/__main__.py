@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import App, Parameter
 
 from . import evaluate_commands
-from .cli import progress_bar, run
+from .cli import progress_bar, results_folder, run
 from .collection_commands import mount_collection
 from .errors import BadInput
 from .parameters import Parameters, assignments, declared, read_values
@@ -120,7 +120,8 @@ def build_app(
         values = chosen_parameters(named, set or (), parameters, method=method)
         shapes = loaded((source, source_labels), (target, target_labels), count=segments, method=segmentation)
         wanted = asked_wishes(wishes, votes, *shapes, judged)
-        match_into(output_folder(out), shapes[0], shapes[1], values, preset_name(values, named), draw, wanted)
+        with results_folder(out) as folder:
+            match_into(folder, *shapes, values, preset_name(values, named), draw, wanted)
 
     return app
 

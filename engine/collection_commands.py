@@ -8,9 +8,9 @@ from cyclopts import App, Parameter
 from .cli import progress_bar, results_folder
 from .parameters import assignments, read_values
 from .progress import share
+from .segment_commands import asked_segmentation
 from .shapes.collection_parameters import CollectionParameters
 from .shapes.parameters import DEFAULT_PRESET, PRESETS, MatchParameters, method_preset, preset
-from .shapes.segmentationparameters import DEFAULT, SegmentationParameters
 from .store import default_cache
 
 if TYPE_CHECKING:
@@ -81,12 +81,6 @@ def mount_collection(app: App, draw: "CollectionDraw | None" = None) -> None:
                                          progress=share(progress, 0.1, 1.0), cache=cache)  # fmt: skip
             write_collection(found, folder, report=collection_page(found, draw(found) if draw else ()))
         _tell(found, folder)
-
-
-def asked_segmentation(segments: int | None, method: str | None) -> SegmentationParameters | None:
-    """How meshes without labels are cut, where something was asked for; raises `BadParameter`."""
-    wanted = {name: value for name, value in (("segments", segments), ("method", method)) if value is not None}
-    return DEFAULT.changed(**wanted) if wanted else None
 
 
 def chosen_values(

@@ -56,8 +56,8 @@ def judged_rows(outcome: "Outcome") -> list[Judged]:
 
 def lead_of(outcome: "Outcome") -> str:
     """What was run, in one sentence."""
-    families = len({pair.family for pair in outcome.collection.pairs})
-    return (f"{len(outcome.collection.pairs)} pairs of {families} {'family' if families == 1 else 'families'} of "
+    pairs, families = len(outcome.collection.pairs), len({pair.family for pair in outcome.collection.pairs})
+    return (f"{pairs} {'pair' if pairs == 1 else 'pairs'} of {families} {'family' if families == 1 else 'families'} of "
             f"{outcome.collection.name}, matched by {', '.join(m.name for m in outcome.methods)}.")  # fmt: skip
 
 

@@ -132,7 +132,7 @@ def _sentence(model: type[Parameters], error: ValidationError) -> str:
         wanted = "true or false"
     else:
         noun = "a whole number" if info.kind == "integer" else "a number"
-        wanted = noun + (f" from {info.low:g} to {info.high:g}" if info.low is not None and info.high is not None else "")
+        wanted = noun + (f" from {info.low:.12g} to {info.high:.12g}" if info.low is not None and info.high is not None else "")
         wanted += f", a multiple of {info.multiple}" if info.multiple else ""
     return f"The parameter '{name}' cannot be {first['input']!r}: it takes {wanted}."
 

@@ -113,7 +113,8 @@ def _write(
     tables = [_overall(names, rows), *([_by_family(names, rows, families)] if len(families) > 1 else [])]
     failed = dict.fromkeys(f"Failed: {pair.family} {pair.name}: {result['failure']}"
                            for pair, some in zip(found.pairs, results, strict=True) for result in some if result["failure"])  # fmt: skip
-    lead = f"{len(found.pairs)} pairs of {found.name}: all nodes of every pair, at most {parameters.node_cap} a shape, by each descriptor."
+    pairs = "1 pair" if len(found.pairs) == 1 else f"{len(found.pairs)} pairs"
+    lead = f"{pairs} of {found.name}: all nodes of every pair, at most {parameters.node_cap} a shape, by each descriptor."
     weights = {mix.name: ", ".join(f"{name} {value:g}" for name, value in mix.weights) for mix in mixes if len(mix.weights) > 1}
     notes = [*found.notes, *failed, *(f"Weights of {name}: {values}." for name, values in weights.items())]
     head = ("descriptor", "set", "segments", "pairs", "queries", *MEASURES, *(f"chance of {measure}" for measure in MEASURES))

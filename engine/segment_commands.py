@@ -1,10 +1,12 @@
 """The command `segment`, which makes `.seg` files, and the automatic segments of other commands."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .cli import progress_bar
-from .errors import BadInput
+from .errors import BadInput, BadParameter
+from .parameters import declared
 from .progress import share
 from .shapes.segmentationparameters import DEFAULT, SegmentationParameters
 from .store import default_cache, output_folder, write_atomically
@@ -61,15 +63,37 @@ def segment(
     print(f"{found.count} segments of {surface.name} ({len(face):,} faces) written to {target}{fewer}")
 
 
+def asked_segmentation(count: int | None, method: str | None) -> SegmentationParameters | None:
+    """How meshes without labels are cut, where --segments or --segmentation asks for something; raises `BadParameter`."""
+    if count is None and method is None:
+        return None
+    methods = next(info.choices for info in declared(SegmentationParameters) if info.name == "method")
+    if method is not None and method not in methods:
+        raise BadParameter(f"--segmentation cannot be '{method}': it takes one of {', '.join(methods)}.")
+    wanted: dict[str, Any] = {name: value for name, value in (("segments", count), ("method", method)) if value is not None}
+    return DEFAULT.changed(**wanted)
+
+
 def loaded(
     source: tuple[Path, Path | None], target: tuple[Path, Path | None], *, count: int | None, method: str | None
 ) -> "tuple[SegmentedShape, SegmentedShape]":
     """Two shapes from meshes and their label files; a mesh without labels is segmented, as asked where something is."""
     from .shapes.meshfile import load_shape
 
-    wanted: dict[str, Any] = {name: value for name, value in (("segments", count), ("method", method)) if value is not None}
-    automatic: SegmentationParameters | None = DEFAULT.changed(**wanted) if wanted else None
+    automatic = asked_segmentation(count, method)
+    shapes = []
     with progress_bar() as progress:
-        cache = default_cache()
-        first = load_shape(*source, automatic=automatic, cache=cache, progress=share(progress, 0.0, 0.5))
-        return first, load_shape(*target, automatic=automatic, cache=cache, progress=share(progress, 0.5, 1.0))
+        for number, files in enumerate((source, target)):
+            own = share(progress, number / 2, (number + 1) / 2)
+            shapes.append(load_shape(*files, automatic=automatic, cache=default_cache(), progress=own))
+    if automatic is not None:
+        shapes = [_with_note(shape) for shape in shapes]
+    return shapes[0], shapes[1]
+
+
+def _with_note(shape: "SegmentedShape") -> "SegmentedShape":
+    """A shape that was to be cut says so where it was not."""
+    if shape.automatic:
+        return shape
+    note = f"{shape.mesh.name} has labels, which stand; only meshes without any are cut (--segments, --segmentation)."
+    return replace(shape, notes=(*shape.notes, note))

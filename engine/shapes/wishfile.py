@@ -13,6 +13,7 @@ from .wishes import Node, Pair, Wishes, contradiction
 
 SCHEMA = "concord.shape-wishes/1"
 MOST_WISHES = 100_000
+KEYS = ("schema", "source", "target", "pinned", "forbidden")
 
 
 def wishes_to_json(wishes: Wishes, source: SegmentedShape, target: SegmentedShape) -> dict[str, Any]:
@@ -62,6 +63,9 @@ def _content(path: Path) -> Mapping[str, Any]:
         raise BadInput(f"{path} is no file of wishes (it is not whole JSON); write it anew.") from None
     if not isinstance(content, dict) or content.get("schema") != SCHEMA:
         raise BadInput(f'{path} is no file of wishes for shapes; it must be an object with "schema": "{SCHEMA}".')
+    unknown = [key for key in content if key not in KEYS]
+    if unknown:
+        raise BadInput(f"{path} has '{unknown[0]}', which no file of wishes for shapes has; it takes {', '.join(KEYS)}.")
     return content
 
 

@@ -1,6 +1,7 @@
 """From votes to wishes and back into the matching, by content: other names, orders and methods do not matter."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from annotation import study
 from annotation.__main__ import main
 from annotation.votedwishes import read_voted_wishes, voted_wishes
+from engine.errors import BadInput
 from engine.shapes.describing import describe
 from engine.shapes.matching import propose, rematch
 from engine.shapes.mesh import Mesh
@@ -133,8 +135,25 @@ def test_the_command_writes_what_match_reads(asked, tmp_path, lamp, coarse_lamp,
     assert not (tmp_path / "n.json").exists()
 
 
-def test_a_study_that_knows_nothing_of_the_pair_wishes_for_nothing(asked, coarse_lamp):
+def test_a_study_that_knows_nothing_of_the_pair_is_refused(asked, coarse_lamp):
     handle, *_ = asked
-    found = read_voted_wishes(handle.path, coarse_lamp, coarse_lamp)
-    assert not found.wishes
-    assert found.items == 0
+    with pytest.raises(BadInput, match="holds no match of"):
+        read_voted_wishes(handle.path, coarse_lamp, coarse_lamp)
+
+
+def test_wishes_of_meshes_that_were_cut_automatically_need_the_same_number(tmp_path, lamp, capsys):
+    from gui.__main__ import main as concord
+
+    meshes = [Path(save(lamp, tmp_path / name)) for name in ("a.off", "b.off")]
+    for mesh in meshes:
+        mesh.with_suffix(".seg").unlink()
+    out, file = tmp_path / "out", tmp_path / "s.db"
+    cut = ["--segments", "4", "--segmentation", "patches"]
+    light = ["--set", "light_fields=1", "resolution=64", "--method", "bottom"]
+    assert concord(["match", *map(str, meshes), "--out", str(out), *cut, *light]) == 0
+    assert main(["create", str(file), str(out / "matches.json")]) == 0
+    words = ["wishes", str(file), *map(str, meshes), "--out", str(tmp_path / "w.json")]
+    main(words)
+    assert "on 4 matches" not in capsys.readouterr().out
+    assert main([*words, *cut]) == 0
+    assert "0 pinned and 0 forbidden by the votes on 4 matches of this pair" in capsys.readouterr().out

@@ -151,6 +151,7 @@ BAD = {
     "unknown method": (["match", "{a}", "{a}", "--method", "magic", "--out", "{out}"], "There is no method named 'magic'"),
     "missing mesh": (["match", "{a}", "none.off", "--out", "{out}"], "none.off"),
     "missing labels": (["match", "{a}", "{a}", "--source-labels", "none.seg", "--out", "{out}"], "none.seg"),
+    "unknown way to cut": (["match", "{a}", "{a}", "--segmentation", "knife", "--out", "{out}"], "--segmentation cannot be 'knife'"),
     "unknown preset": (["match", "{a}", "{a}", "--preset", "fast", "--out", "{out}"], "'fast'"),
     "unknown parameter": (["match", "{a}", "{a}", "--set", "gamma=1", "--out", "{out}"], "'gamma'"),
     "out of range": (["match", "{a}", "{a}", "--set", "delta_1=3", "--out", "{out}"], "from 0 to 1"),

@@ -67,6 +67,7 @@ def test_a_file_written_by_hand_needs_no_hashes(shapes, save):
     ("[" * 100_000, "not whole JSON"),
     ('{"schema": "concord.wishes/1"}', "no file of wishes for shapes"),
     ("[1]", "no file of wishes for shapes"),
+    ({"pined": []}, "has 'pined', which no file of wishes for shapes has"),
     ({"pinned": 3}, "'pinned' in .* must be a list"),
     ({"pinned": [3]}, "'pinned' in .* must be a list"),
     ({"forbidden": [{"source": [10]}]}, "forbidden match 1 in .* needs a list of labels as its 'target'"),

@@ -40,6 +40,14 @@ def fitting_distance(scene: Scene, towards: np.ndarray, aspect: float) -> float:
     return max(1.16 * float(fits), 0.9 * radius / np.sin(np.arctan(slope * min(1.0, aspect))))
 
 
+def narrowed(camera: Camera, before: float, after: float) -> Camera:
+    """The camera moved so that a picture of another aspect (width / height) shows what it showed before, as large.
+
+    Only pictures that are or were higher than wide need that; going there and back changes nothing.
+    """
+    return camera._replace(position=camera.focal + (camera.position - camera.focal) * min(1.0, before) / min(1.0, after))
+
+
 def between(start: Camera, end: Camera, share: float) -> Camera:
     """The camera at a share in [0, 1] of the way, on an arc around the focal point."""
     arm_0, arm_1 = start.position - start.focal, end.position - end.focal

@@ -7,15 +7,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, QVariantAnimation, Signal
-from PySide6.QtGui import QColor, QDragEnterEvent, QDropEvent, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, QTimer, QVariantAnimation, Signal
+from PySide6.QtGui import (
+    QColor,
+    QDragEnterEvent,
+    QDropEvent,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QResizeEvent,
+    QWheelEvent,
+)
 from PySide6.QtWidgets import QApplication, QStyle, QToolTip, QWidget
 
 from engine.shapes.segmentation import SegmentedShape
 
 from .. import glprobe
 from ..palette import LIGHT, Theme
-from .cameras import Camera, between, turned
+from .cameras import Camera, between, narrowed, turned
 from .figures import save_figure
 from .links import LinkShape, hit_inside, hit_outline
 from .painting import paint_message
@@ -27,6 +36,11 @@ if TYPE_CHECKING:
 EMPTY_TEXT = "Drop two meshes here, or open the example"
 _STILL_AFTER, _TURN_TIME, _TURNTABLE_STEP, _TURNTABLE_SPEED = 160, 200, 40, 24.0
 _CLICK = 4.0
+
+
+def aspect_of(size: QSize) -> float:
+    """Width / height of one half of a view."""
+    return size.width() / 2 / max(1, size.height())
 
 
 class MeshPairView(QWidget):
@@ -211,7 +225,20 @@ class MeshPairView(QWidget):
         self.update()
 
     def _aspect(self) -> float:
-        return self.width() / 2 / max(1, self.height())
+        return aspect_of(self.size())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Keep the shapes whole where there is less room at their sides."""
+        super().resizeEvent(event)
+        before, after = (max(0.05, aspect_of(size)) for size in (event.oldSize(), event.size()))
+        if not self._shown or not event.oldSize().isValid() or min(1.0, before) == min(1.0, after):
+            return
+        if self._flight.state() == QVariantAnimation.State.Running:
+            self._flight.stop()
+            self._fly(1.0)
+        for pane in self._drawing.panes:
+            pane.camera = narrowed(pane.camera, before, after)
+        self._move()
 
     # --- painting
 

@@ -210,6 +210,24 @@ def test_the_wheel_zooms_the_shape_below_it(pair):
     assert now[1] < near[1]
 
 
+def test_a_narrower_view_still_shows_the_whole_shapes(pair):
+    def reach():
+        """Where the ends of the bar stand, as shares of half the picture."""
+        pair.grab()
+        xy, _ = pair._drawing.panes[0].spots()
+        return xy[[0, 2], 0] / (pair.width() / 2)
+
+    before, start = reach(), pair._drawing.panes[0].camera
+    pair.resize(400, 300)
+    assert reach() == pytest.approx(before, abs=0.02)
+    pair.resize(400, 200)  # each half as wide as high
+    assert reach() == pytest.approx(before, abs=0.02)
+    pair.resize(900, 300)
+    assert pair._drawing.panes[0].camera.position == pytest.approx(start.position)
+    pair.resize(600, 300)
+    assert reach() == pytest.approx(before, abs=0.02)
+
+
 def test_the_turntable_turns_until_it_is_stopped(pair, qtbot):
     start = pair._drawing.panes[0].camera.position
     pair.turntable(True)

@@ -20,7 +20,7 @@ NEAREST, AGREE_FROM, OVERLAP_MIN, RATIO_MIN = 7, 0.7, 0.6, 0.5  # of a hypothesi
 @dataclass(frozen=True, slots=True, eq=False)
 class Neighbourhood:
     """Two shapes as candidates see each other: `packed_*` (k, k, 3) see `agreement.pack`, `members_*` (k, s) bool,
-    `area_*` (s,) shares of area."""
+    `area_*` (s,) shares of area, above 0."""
 
     packed_source: np.ndarray
     packed_target: np.ndarray
@@ -39,7 +39,7 @@ def neighbourhood_of(
     source: DescribedShape, target: DescribedShape, packed_source: np.ndarray, packed_target: np.ndarray
 ) -> Neighbourhood:
     """The same where the nodes are packed already."""
-    areas = (shape.graph.area / shape.graph.area.sum() for shape in (source, target))
+    areas = (np.maximum(shape.graph.area / shape.graph.area.sum(), 1e-9) for shape in (source, target))
     return Neighbourhood(packed_source, packed_target, source.layers.members, target.layers.members, *areas)
 
 

@@ -16,7 +16,7 @@ from engine.shapes.matching import match_shapes, propose, rematch
 from engine.shapes.mesh import Mesh
 from engine.shapes.parameters import preset
 from engine.shapes.proposing import geometric_distance
-from engine.shapes.segmentation import SegmentedShape
+from engine.shapes.segmentation import SegmentedShape, segmentation_from_labels
 from engine.shapes.truth import evaluate_result
 from engine.shapes.wishes import Wishes
 from engine.store import Cache
@@ -158,3 +158,12 @@ def test_another_method_may_become_learned_without_proposing_anew():
     later = rematch(propose(*shapes, top_down), LEARNED)
     assert later.ids == rematch(propose(*shapes, LEARNED), LEARNED).ids
     assert replace(later, parameters=top_down).ids == later.ids
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_segment_without_area_is_matched_like_any_other(lamp):
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0]])
+    mesh = Mesh(corners, np.array([[0, 1, 2], [0, 1, 3], [1, 4, 3]]), "one part without area")
+    flat = SegmentedShape(mesh, segmentation_from_labels([0, 1, 2]))
+    for other in (flat, lamp):
+        assert np.isfinite(match_shapes(flat, other, LEARNED).score).all()

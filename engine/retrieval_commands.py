@@ -74,7 +74,11 @@ def descriptors(
     if not 0 <= jobs <= MOST_JOBS:
         raise BadParameter(f"--jobs cannot be {jobs}: it takes 0 to {MOST_JOBS}.")
     mixes = list({m.name: m for m in (*SINGLES, *TOGETHER, *map(custom_mix, mix or ()))}.values())
-    parameters = MatchParameters(node_cap=nodes).changed(**assignments(set or ()))
+    settings = assignments(set or ())
+    weights = [name for name in settings if name == "lfd" or name.endswith("_weight")]
+    if weights:
+        raise BadParameter(f"--set cannot change '{weights[0]}' here: every mix brings its own; give one as --mix lfd=1,size=2.")
+    parameters = MatchParameters(node_cap=nodes).changed(**settings)
     with results_folder(out) as folder, progress_bar() as progress:
         found = the_collection(collection, asked, progress=share(progress, 0.0, 0.05))
         tasks = [retrieval_task(pair, parameters, mixes) for pair in found.pairs]

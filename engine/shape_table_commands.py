@@ -86,8 +86,9 @@ def make(
     """Make one table of a study's votes or of a collection's truth, and write it in four forms."""
     found = voted(Path(source))
     if found is not None:
-        if methods or layers or settings:
-            raise BadParameter(f"{source} is a study: its results are there already; leave out --methods, --layers and --set.")
+        if methods or layers or settings or asked != EVERYTHING:
+            raise BadParameter(f"{source} is a study: its results are there already; leave out --methods, --layers, --set and "
+                               "the options that choose pairs.")  # fmt: skip
         with results_folder(out) as folder:
             _write(folder, number, found[0], [found[1]], f"{Path(source).name}. {FROM_VOTES}", [])
         return

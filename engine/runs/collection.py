@@ -17,6 +17,7 @@ from .pairs import FilePair, MadePair, Pair, ShapeFiles
 GENERATED = "generated"
 AUTO, ALL = "auto", "all"
 MOST_PAIRS = 100_000
+LEFT_OUT = "Left out of"
 
 
 class Layout(NamedTuple):
@@ -94,7 +95,8 @@ def folder_collection(folder: Path, layout: Layout, *, progress: Progress = sile
             notes.append(f"The family {family} has {len(mine)} pairs only.")
         pairs += mine
     if not pairs:
-        raise BadInput(f"{folder} holds no pair of labelled shapes; put at least two meshes of a kind into one folder.")
+        why = f" ({notes[0].rstrip('.')})" if notes and notes[0].startswith(LEFT_OUT) else ""
+        raise BadInput(f"{folder} holds no pair of labelled shapes{why}; put at least two meshes of a kind into one folder.")
     return Collection(folder.resolve().name, tuple(pairs), tuple(dict.fromkeys(notes)))
 
 
@@ -132,9 +134,9 @@ def completed(folder: Path, meshes: Sequence[Path], layout: Layout) -> Layout:
         there = f" (beside the meshes there are {', '.join(others)})" if others else ""
         raise BadInput(f"The meshes of {folder} have no truth labels{there}; put one class a face into NAME{layout.truth}, "
                        "or name the ending of the truth with --truth.")  # fmt: skip
-    if not layout.source_labels and not layout.cut and all(_beside(mesh, ".seg").is_file() for mesh in meshes):
+    if not layout.source_labels and not layout.cut and any(_beside(mesh, ".seg").is_file() for mesh in meshes):
         layout = layout._replace(source_labels=".seg", target_labels=".seg")
-    kinds = [] if layout.source_labels or layout.cut else sorted({end[1:-4] for end in _ends(meshes[0]) if end[1:].endswith(".seg")})
+    kinds = [] if layout.source_labels or layout.cut else _kinds(meshes)
     if kinds:
         raise BadInput(f"The segmentations in {folder} have names: {', '.join(kinds)}; choose one for either side with --case, "
                        f"as in --case {kinds[0]}-{kinds[-1]}.")  # fmt: skip
@@ -148,6 +150,11 @@ def completed(folder: Path, meshes: Sequence[Path], layout: Layout) -> Layout:
 def _ends(mesh: Path) -> list[str]:
     """What stands behind the mesh's stem in the names of the files beside it."""
     return [path.name[len(mesh.stem) :] for path in mesh.parent.glob("*") if path.name.startswith(f"{mesh.stem}.")]
+
+
+def _kinds(meshes: Sequence[Path]) -> list[str]:
+    """The names of segmentations, as coarse in NAME.coarse.seg."""
+    return sorted({end[1:-4] for mesh in meshes for end in _ends(mesh) if end[1:].endswith(".seg")})
 
 
 def _beside(mesh: Path, end: str) -> Path:
@@ -209,7 +216,7 @@ class _Usable:
             _, (_, *cuts) = load_labellings(mesh, [files.truth, *paths])
             self.segments[files.mesh] = 2
             self.segments |= {str(path): cut.count for path, cut in zip(paths, cuts, strict=True)}
-            self.notes += [f"Left out of {self.family}: {path.name} has one single segment."
+            self.notes += [f"{LEFT_OUT} {self.family}: {path.name} has one single segment."
                            for path, cut in zip(paths, cuts, strict=True) if cut.count < 2]  # fmt: skip
         return self.segments[key]
 

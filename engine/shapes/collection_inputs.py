@@ -29,6 +29,8 @@ def collection_files(inputs: Sequence[Path | str], ending: str = "") -> Files:
     meshes = list(dict.fromkeys(meshes))
     if not meshes:
         raise BadInput("A collection needs meshes: name a folder that holds some, or several meshes.")
+    if len(meshes) < 2 and not meshes[0].exists():
+        raise BadInput(f"{meshes[0]} is not there; name a folder that holds meshes, or several meshes.")
     if len(meshes) < 2:
         raise BadInput(f"A collection needs at least two shapes, and {meshes[0]} is only one; name more of them.")
     if len(meshes) > MOST_SHAPES:

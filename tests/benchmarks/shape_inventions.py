@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from engine.shapes.families.pairs import GeneratedPair, segmented
 from engine.shapes.families.generated import DIGITS, GeneratedShape, random_rotation, touching, welded
+from engine.shapes.families.pairs import GeneratedPair, segmented
 from engine.shapes.families.solids import Solid, ellipsoid, heading, tube, turned, unit
 from engine.shapes.mesh import Mesh
 

@@ -34,8 +34,9 @@ def test_motions_are_sorted_different_rotations():
     for one in found:
         assert one.rotation @ one.rotation.T == pytest.approx(np.eye(3), abs=1e-9)
         assert np.linalg.det(one.rotation) == pytest.approx(1)
-        assert one.onto.max() < len(b.weight) and len(one.onto) == len(a.weight)
-        assert one.back.max() < len(a.weight) and len(one.back) == len(b.weight)
+        assert (len(one.onto), len(one.back)) == (len(a.weight), len(b.weight))
+        assert one.onto.max() < len(b.weight)
+        assert one.back.max() < len(a.weight)
     for k, one in enumerate(found):
         assert all(np.trace(one.rotation @ other.rotation.T) < 2.7 for other in found[:k])
 

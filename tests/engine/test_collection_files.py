@@ -163,3 +163,9 @@ def test_the_same_mesh_counts_once_and_folders_that_cannot_be_read_are_named(fol
     assert (len(shapes), failures) == (3, [])
     with pytest.raises(BadInput, match="cannot be read"):
         meshes_in(tmp_path / "nowhere")
+
+
+def test_a_name_that_is_not_there_is_said_to_be_missing(tmp_path, capsys):
+    assert main(["collection", str(tmp_path / "nothing"), "--out", str(tmp_path / "out")]) == 2
+    assert "nothing is not there" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

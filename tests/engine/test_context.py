@@ -49,7 +49,8 @@ def test_a_right_candidate_is_agreed_with_in_full():
     assert found[own, 3] == pytest.approx(1, abs=1e-5)  # overlap and distance
     assert found[own, 5] == pytest.approx(0)  # clashes of overlap
     assert (found[~own, 3] < 0.95).all()
-    assert (found[own, 0] > 2).all() and (found[~own, 0] < -2).all()
+    assert (found[own, 0] > 2).all()
+    assert (found[~own, 0] < -2).all()
 
 
 def test_segments_are_carried_to_their_partners():
@@ -58,7 +59,8 @@ def test_segments_are_carried_to_their_partners():
     assert jaccard[[10, 15]] == pytest.approx(1, abs=1e-3)  # the segment apart, and the union of the others
     assert behind_source[own] == pytest.approx(1, abs=1e-5)
     assert behind_target[own] == pytest.approx(1, abs=1e-5)
-    assert (least <= most + 1e-12).all() and (jaccard <= least + 1e-12).all()
+    assert (least <= most + 1e-12).all()
+    assert (jaccard <= least + 1e-12).all()
     assert jaccard[~own & ~(MEMBERS[PAIRS[:, 0]] & MEMBERS[PAIRS[:, 1]]).any(axis=1)].max() < 0.25
 
 

@@ -1,5 +1,7 @@
 """MatchLift on atoms, and the parts that are cut from it: by hand, and laws."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -108,7 +110,7 @@ def test_higher_part_from_makes_no_fewer_parts():
     objects = np.repeat(range(4), 5)
     grouped = [consistent_parts(m, objects, np.ones(20), part_from=x) for x in (0.2, 0.5, 0.8, 0.95)]
     pairs = [(g[:, None] == g) & (g >= 0)[:, None] for g in grouped]
-    assert all((finer <= coarser).all() for coarser, finer in zip(pairs, pairs[1:], strict=False))
+    assert all((finer <= coarser).all() for coarser, finer in pairwise(pairs))
 
 
 def test_asymmetric_or_unbounded_input_cannot_reach_the_programme():

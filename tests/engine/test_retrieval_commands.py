@@ -113,6 +113,7 @@ def test_a_mix_has_the_weights_that_were_given_and_no_others():
         (["--nodes", "5"], "10 to 1000"),
         (["--jobs", "-1"], "--jobs"),
         (["--set", "K=ninety"], "'K'"),
+        (["--set", "lfd_weight=3"], "'lfd_weight' here: every mix brings its own"),
     ],
 )
 def test_bad_input_gets_one_sentence(folder, tmp_path, capsys, options, words):

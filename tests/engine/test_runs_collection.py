@@ -110,10 +110,12 @@ def test_a_shape_in_one_segment_is_left_out_and_named(tmp_path):
         ([{"sem": TRUTH, "seg": FIVE}, {"sem": TRUTH, "seg": "1\n2\n"}], "2 labels but .* has 60 faces"),
         ([{"sem": "1\n", "seg": FIVE}, {"sem": TRUTH, "seg": FIVE}], "1 labels but .* has 60 faces"),
         ([{"sem": TRUTH, "seg": FIVE}, {"seg": FIVE}], "2.off has no truth labels; add 2.sem"),
-        ([{"sem": TRUTH, "a_seg": FIVE}, {"sem": TRUTH, "b_seg": FIVE}], "have names: a; .* --case a-a"),
+        ([{"sem": TRUTH, "a_seg": FIVE}, {"sem": TRUTH, "b_seg": FIVE}], "have names: a, b; .* --case a-b"),
+        ([{"sem": TRUTH}, {"sem": TRUTH, "a_seg": FIVE}], "have names: a; .* --case a-a"),
+        ([{"sem": TRUTH}, {"sem": TRUTH, "seg": FIVE}], "1.off has no segment labels; add 1.seg"),
         ([{"seg": FIVE}, {"seg": FIVE}], "have no truth labels"),
         ([{"sem": TRUTH, "seg": FIVE}], "holds no pair"),
-        ([{"sem": TRUTH, "seg": ONE}, {"sem": TRUTH, "seg": FIVE}], "holds no pair"),
+        ([{"sem": TRUTH, "seg": ONE}, {"sem": TRUTH, "seg": FIVE}], r"holds no pair .*\(.*1.seg has one single segment\)"),
     ],
 )
 def test_a_folder_that_cannot_be_used_is_refused_in_one_sentence(ends, sentence, tmp_path):

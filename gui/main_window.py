@@ -129,6 +129,7 @@ class MainWindow(QMainWindow):
         self.shapes.view.files_dropped.connect(self.files.drop)
         self.shapes.automatic.numbered.connect(self.automatic.number)
         self.shapes.automatic.edited.connect(self.segments.edit)
+        self.automatic.refused.connect(self.shapes.show_automatic)
         self.matching.opened.connect(remember_pair)
         self.matching.dropped.connect(self.say)
         self.wishing.said.connect(self.say)
@@ -262,6 +263,8 @@ class MainWindow(QMainWindow):
         if self.jobs.busy():
             self.matching.cancel()
             self.puzzle.solving.cancel()
+            self.collection.stopped()
+            self.shapes.show_automatic()
             self.status.text.setText("Stopped.")
         elif not self.rail.isVisible():
             self.toggle_alone()

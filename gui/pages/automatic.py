@@ -109,6 +109,9 @@ class AutomaticBar(QWidget):
 class Automatic(QObject):
     """Segments a shape of the pair anew when its number of segments changes, and has the pair matched again."""
 
+    refused = Signal()
+    """the shape stays as it is, so that the slider has to go back"""
+
     def __init__(self, session: Session, jobs: Jobs, matching: "Matching", parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.session, self.jobs, self.matching, self.cache = session, jobs, matching, default_cache()
@@ -133,5 +136,10 @@ class Automatic(QObject):
                 pair = (now.source, made) if side else (made, now.target)
                 self.matching.show_pair(*pair, set_name=now.set_name)
 
+        def failed(sentence: str, details: str) -> None:
+            self.refused.emit()
+            self.jobs.failed.emit(sentence, details)
+            self.matching.again()
+
         self.jobs.cancel("match")
-        self.jobs.start("segments", work, done, words="Segmenting")
+        self.jobs.start("segments", work, done, words="Segmenting", failed=failed)

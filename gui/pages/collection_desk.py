@@ -178,9 +178,13 @@ class CollectionDesk(QObject):
         if found.failures:
             self.window.say(" ".join(found.failures))
 
-    def _failed(self, sentence: str, details: str) -> None:
+    def stopped(self) -> None:
+        """Go back to the parameters of what is shown, where matching with others was stopped or failed."""
         if self.session.state.found is not None:
             self.session.update(parameters=self.session.state.found.parameters)
+
+    def _failed(self, sentence: str, details: str) -> None:
+        self.stopped()
         self.window.jobs.failed.emit(sentence, details)
 
     # --- what a hand does

@@ -253,7 +253,7 @@ class ShapesPage(QWidget):
         shapes = bool(names & {"source", "target"})
         if shapes and state.source is not None and state.target is not None:
             self.view.set_shapes(state.source, state.target)
-            self.automatic.show_pair(state.source, state.target)
+            self.show_automatic()
             self.view.set_linked_cameras(state.linked)
         if "linked" in names:
             self.view.set_linked_cameras(state.linked)
@@ -314,6 +314,10 @@ class ShapesPage(QWidget):
         self.notes.setText(short_notes(notes, lambda line: metrics.elidedText(line, Qt.TextElideMode.ElideRight, room)))
         self.notes.setToolTip(as_tip(dict.fromkeys(notes)))
         self.notes.setVisible(bool(notes))
+
+    def show_automatic(self) -> None:
+        """Let the sliders of shapes without labels stand where the shapes are."""
+        self.automatic.show_pair(self.session.state.source, self.session.state.target)
 
     def _show_parameters(self, state: State) -> None:
         self.presets.setCurrentText(state.preset)

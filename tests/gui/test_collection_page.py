@@ -157,6 +157,29 @@ def test_the_work_can_be_stopped_and_started_again(window, files, qtbot, monkeyp
     assert state(window).found is not None
 
 
+def test_what_was_stopped_shows_the_parameters_of_what_is_there(ready, qtbot):
+    before = state(ready).found
+    ready.collection.edit("partners", 2, True)
+    assert ready.jobs.busy("collection")
+    ready.stop()
+    settle(ready, qtbot)
+    assert state(ready).found is before
+    assert state(ready).parameters == before.parameters
+    assert page(ready).form.rows["partners"].value == before.parameters.partners
+
+
+def test_a_double_click_on_a_pair_opens_it_once(ready, qtbot):
+    page(ready).panel.setCurrentIndex(1)
+    wanted = []
+    page(ready).pair_wanted.connect(wanted.append)
+    table = page(ready).pairs
+    at = table.visualItemRect(table.item(1, 0)).center()
+    qtbot.mouseClick(table.viewport(), Qt.MouseButton.LeftButton, pos=at)
+    qtbot.mouseDClick(table.viewport(), Qt.MouseButton.LeftButton, pos=at)
+    settle(ready, qtbot)
+    assert wanted == [1]
+
+
 # --- parts
 
 

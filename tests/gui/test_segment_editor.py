@@ -1,11 +1,14 @@
 """The editor of segments in the window: choosing, merging, splitting, painting, undoing, saving, and matching again."""
 
+import threading
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication
 
+from engine.errors import BadInput
 from engine.shapes.families.collection import off_text
 from gui.main_window import MainWindow
 
@@ -18,9 +21,15 @@ def bar_file(folder, shape, name, labels=True):
     return str(path)
 
 
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory):
+    return str(tmp_path_factory.mktemp("cache"))
+
+
 @pytest.fixture
-def window(qtbot, tmp_path, monkeypatch):
+def window(qtbot, tmp_path, monkeypatch, cache):
     monkeypatch.setenv("CONCORD_HOME", str(tmp_path / "data"))
+    monkeypatch.setenv("CONCORD_CACHE", cache)
     made = MainWindow(dark=False)
     made.furnish()
     made.segments.ask = lambda *_: "discard"  # no test waits for an answer that nobody gives
@@ -208,6 +217,33 @@ def test_a_mesh_without_labels_opens_with_a_notice_and_a_slider(window, qtbot, t
     settle(window, qtbot)
     assert window.session.state.source.segmentation.count == 14
     assert bar.rows[0].slider.value() == 14
+
+
+def test_a_segmentation_that_is_stopped_or_fails_leaves_the_slider_where_the_shape_is(window, qtbot, tmp_path, make_bar, monkeypatch):
+    window.files.pair(bar_file(tmp_path, make_bar(12), "bare", labels=False), bar_file(tmp_path, make_bar(4), "short"))
+    settle(window, qtbot)
+    row, shape = window.shapes.automatic.rows[0], window.session.state.source
+    held = threading.Event()
+
+    def slow(*_, progress, **__):
+        held.wait(20)
+        progress(0.5, "held")
+
+    def bad(*_, **__):
+        raise BadInput("It cannot be cut so often.")
+
+    for work, end in ((slow, window.stop), (bad, lambda: None)):
+        monkeypatch.setattr("engine.shapes.segmenting.auto_segment", work)
+        row.slider.setValue(40)
+        row.slider.sliderReleased.emit()
+        assert window.jobs.busy("segments")
+        end()
+        held.set()
+        settle(window, qtbot)
+        assert window.session.state.source is shape
+        assert (row.slider.value(), row.number.text()) == (14, "14 segments")
+    assert window.messages.text.text() == "It cannot be cut so often."
+    assert window.session.state.result is not None
 
 
 def test_long_names_are_cut_and_do_not_widen_the_window(window, qtbot, tmp_path, make_bar):

@@ -42,7 +42,8 @@ class MatchResult:
     segments they unite; `score` (p,) float64 in [0, 1] is the probability that a match is right in the learned
     method, π of Eq 3.4 relative to the best candidate in the thesis's, the mean agreement with the other matches top-down,
     else what the method's own docstring says; `similarity` (p,) in [0, 1] the geometric one, `votes` (p,) int64 those of
-    Algorithm 1; `ids` are content hashes of the matches (see `identity`); `wishes` are those that were honoured, and `pinned` (p,) bool marks the matches that people had pinned.
+    Algorithm 1; `ids` are content hashes of the matches (see `identity`); `wishes` are those that were honoured, and
+    `pinned` (p,) bool marks the matches that people had pinned.
     """
 
     method: str

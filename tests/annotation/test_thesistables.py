@@ -47,8 +47,9 @@ def test_the_command_makes_the_table_of_a_study(file, tmp_path, capsys):
     with (out / "table-3.2.csv").open(newline="") as handle:
         assert [row["precision"] for row in csv.DictReader(handle)] == ["1", "1", "0.666667"]
     assert {p.name for p in out.iterdir()} == {f"table-3.2.{end}" for end in ("md", "csv", "tex", "html")}
-    assert main(["tables", "3.2", str(file), "--methods", "shed", "--out", str(out)]) == 2
-    assert "leave out --methods" in capsys.readouterr().err
+    for words in (["--methods", "shed"], ["--families", "lamps"]):
+        assert main(["tables", "3.2", str(file), *words, "--out", str(out)]) == 2
+        assert "leave out --methods" in capsys.readouterr().err
 
 
 def test_a_study_without_shapes_is_refused(tmp_path):

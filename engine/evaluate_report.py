@@ -16,7 +16,7 @@ from .runs.judging import Method, judged, matched
 from .runs.pairs import FilePair, LabelledPair, Pair, load_pair
 from .shapes.families.collection import integer_lines, off_text
 from .shapes.truth import counts, lenient_answers
-from .store import default_cache, write_together
+from .store import default_cache, output_folder, write_together
 
 if TYPE_CHECKING:
     from .evaluate_commands import Outcome
@@ -151,8 +151,7 @@ def _caption(row: Judged) -> str:
 def write_matches_of(outcome: "Outcome", folder: Path) -> None:
     """OUT/matches/FAMILY/PAIR/METHOD.json of schema concord.matches/1; beside them what was made by seed: meshes, labels."""
     for i, pair in enumerate(outcome.collection.pairs):
-        place = folder / "matches" / pair.family / pair.name.replace(" ", "-")
-        place.mkdir(parents=True, exist_ok=True)
+        place = output_folder(folder / "matches" / pair.family / pair.name.replace(" ", "-"))
         meshes = (pair.source.mesh, pair.target.mesh) if isinstance(pair, FilePair) else (place / "source.off", place / "target.off")
         files: dict[Path, bytes | str] = {}
         for k, method in enumerate(outcome.methods):

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 from ..errors import BadInput, Cancelled, ConcordError
 from ..progress import Progress, silent
-from ..store import write_together
+from ..store import output_folder, write_together
 
 Result = dict[str, Any]
 RECENT = 20  # tasks that the time left is estimated from
@@ -50,8 +50,11 @@ def run_tasks(
     """All results by their keys, those of earlier runs read from `folder`, the others computed now and kept there.
 
     `work(payload, wanted, progress)` gives the JSON objects of the keys numbered `wanted`; with several `jobs` it runs
-    in other processes, so it must be a function of a module. Raise `Cancelled` in `progress` to stop.
+    in other processes, so it must be a function of a module. Raise `Cancelled` in `progress` to stop. Raises `BadInput`
+    before any work where `folder` is there and cannot be written to.
     """
+    if folder.exists():
+        output_folder(folder)
     found: dict[str, Result] = {}
     open_tasks: list[Asked] = []
     for task in tasks:
@@ -80,7 +83,7 @@ def read_result(path: Path) -> Result | None:
         found = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
-    return found if isinstance(found, dict) else None
+    return found if isinstance(found, dict) and found else None
 
 
 def failed(error: Exception) -> Result:

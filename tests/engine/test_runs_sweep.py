@@ -193,3 +193,9 @@ def test_an_error_that_nobody_foresaw_is_told_and_tried_again(tmp_path):
     assert failed(BadInput("The file has gone.")) == {"failure": "The file has gone."}
     with pytest.raises(Cancelled):
         failed(Cancelled())
+
+
+def test_a_folder_that_is_none_is_refused_before_any_work(tmp_path):
+    (tmp_path / "runs").write_text("a file")
+    with pytest.raises(BadInput, match="runs cannot be written to"):
+        run_tasks(tasks(1), never, tmp_path / "runs")

@@ -81,9 +81,11 @@ def _surface(points: SurfacePoints, graph: SegmentGraph, m: np.ndarray) -> Itera
     yield "outward", mean @ ((points.normals * points.points).sum(axis=1) / (points.radius + 1e-9))
     volume, area = m @ graph.volume, m @ graph.area
     yield "compact", np.log((volume + 1e-12) / (area + 1e-12) ** 1.5 + 1e-4)
-    i, j = points.links.T
-    cut = np.abs(inside[:, i] - inside[:, j]) @ points.strength
-    yield "border", np.log(cut / np.maximum((inside[:, i] + inside[:, j]) @ points.strength, 1e-9) + 0.005)
+    between = np.zeros((m.shape[1], m.shape[1]))
+    np.add.at(between, tuple(points.owner[points.links].T), points.strength)
+    touching = m @ (between.sum(axis=0) + between.sum(axis=1))
+    cut = np.maximum(touching - 2 * ((m @ between) * m).sum(axis=1), 0)
+    yield "border", np.log(cut / np.maximum(touching, 1e-9) + 0.005)
 
 
 def _rest(graph: SegmentGraph, members: np.ndarray) -> np.ndarray:

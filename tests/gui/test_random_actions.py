@@ -11,7 +11,7 @@ from gui import actions
 from gui.main_window import MainWindow
 from gui.pages.arrange import SHOWN
 
-ACTIONS = 500
+ACTIONS = 300
 
 
 def settle(window, qtbot):
@@ -100,7 +100,7 @@ class Hands:
         face = self.rng.randrange(len(desk.state.labels))
         self.rng.choice((
             lambda: desk.pick(face, False), lambda: desk.pick(face, True), lambda: desk.paint([face]), desk.session.settle,
-            lambda: desk.cut(np.arange(desk.state.shape.mesh.vertices.shape[0]) - self.rng.randint(3, 12) + 0.5, face),
+            lambda: desk.cut(np.arange(len(desk.state.labels)) - self.rng.randint(3, 12) + 0.5, face),
             lambda: desk.edit_parameter("segments", self.rng.randint(2, 9), True), desk.segment, desk.done,
         ))()  # fmt: skip
 
@@ -136,7 +136,7 @@ def test_hundreds_of_random_actions_leave_nothing_behind(window, meshes, qtbot, 
             settle(window, qtbot)
             widgets.append(len(QApplication.allWidgets()))
     assert unexpected == []
-    assert widgets[-1] - widgets[1] < 60, widgets  # tiles of a collection, rows of menus, open inspectors: no steady growth
+    assert widgets[-1] <= widgets[len(widgets) // 2] + 5, widgets
     window.segments.ask = lambda *_: "discard"
     window.files.pair(*meshes[:2])
     settle(window, qtbot)

@@ -60,7 +60,8 @@ def segment(
         found = auto_segment(surface, chosen, progress=progress, cache=default_cache())
     write_atomically(target, segment_file_text(found.labels))
     fewer = f", not {segments}: the mesh has no more pieces to give" if found.count < segments else ""
-    print(f"{found.count} segments of {surface.name} ({len(face):,} faces) written to {target}{fewer}")
+    cut = "1 segment" if found.count == 1 else f"{found.count} segments"
+    print(f"{cut} of {surface.name} ({len(face):,} {'face' if len(face) == 1 else 'faces'}) written to {target}{fewer}")
 
 
 def asked_segmentation(count: int | None, method: str | None) -> SegmentationParameters | None:

@@ -47,8 +47,8 @@ def view_frames(light_fields: int, seed: int) -> np.ndarray:
     from scipy.spatial.transform import Rotation
 
     axes = dodecahedron_axes()
-    helper = np.where(np.abs(axes[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 1.0, 0]])
-    u = np.cross(axes, helper)
+    aside = np.where(np.abs(axes[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 1.0, 0]])
+    u = np.cross(axes, aside)
     u /= np.linalg.norm(u, axis=1, keepdims=True)
     plane = np.stack([u, np.cross(axes, u)], axis=1)
     turns = Rotation.random(light_fields, rng=np.random.default_rng(seed)).as_matrix()

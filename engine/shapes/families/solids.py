@@ -107,8 +107,8 @@ def torus(name: str, centre: Any, normal: Any, radius: float, thickness: float, 
 
 def _cross_axes(w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Two unit vectors that complete w to a right-handed frame."""
-    helper = np.eye(3)[int(np.argmin(np.abs(w)))]
-    u = unit(np.cross(helper, w))
+    aside = np.eye(3)[int(np.argmin(np.abs(w)))]
+    u = unit(np.cross(aside, w))
     return u, np.cross(w, u)
 
 

@@ -124,7 +124,7 @@ def test_the_command_writes_what_match_reads(asked, tmp_path, lamp, coarse_lamp,
     files = [save(lamp, tmp_path / "a.off"), save(coarse_lamp, tmp_path / "b.off")]
     assert main(["wishes", str(handle.path), *files, "--out", str(tmp_path / "w.json")]) == 0
     assert "1 pinned and 0 forbidden" in capsys.readouterr().out
-    light = ["--set", "light_fields=1", "resolution=64"]
+    light = ["--method", "top-down", "--set", "light_fields=1", "resolution=64"]
     for option in (["--wishes", str(tmp_path / "w.json")], ["--votes", str(handle.path)]):
         assert concord(["match", *files, "--out", str(tmp_path / "out"), *light, *option]) == 0
         content = json.loads((tmp_path / "out" / "matches.json").read_text())

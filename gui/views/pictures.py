@@ -7,7 +7,8 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 
 from PySide6.QtCore import QCoreApplication, QRectF
-from PySide6.QtGui import QGuiApplication, QPainter
+from PySide6.QtGui import QPainter
+from PySide6.QtWidgets import QApplication
 
 from engine.errors import ConcordError
 from engine.shapes.result import MatchResult
@@ -103,4 +104,4 @@ def be_ready() -> None:
     if QCoreApplication.instance() is None:
         if sys.platform.startswith("linux"):
             os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
-        _app = QGuiApplication([])
+        _app = QApplication([])  # of widgets: a window may follow in the same process

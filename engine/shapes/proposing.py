@@ -104,7 +104,7 @@ def propose(
     watch = Stopwatch()
     progress(0.0, "candidate pairs")
     with watch("candidates"):
-        pairs = _pool(source, target, parameters.pool)
+        pairs = _pooled(source, target, parameters.pool, cache)
     progress(0.2, "light field distances")
     with watch("distances"):
         lfd = _distances(source, target, pairs, parameters.lfd, share(progress, 0.0, 0.4), cache)
@@ -238,6 +238,15 @@ def _measured(
 def _apart(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """|Δ log| of two measures."""
     return np.abs(np.log(x) - np.log(y))
+
+
+def _pooled(source: DescribedShape, target: DescribedShape, pool: int, cache: Cache | None) -> np.ndarray:
+    """The pairs of `_pool`, from the cache where they are known."""
+    if cache is None:
+        return _pool(source, target, pool)
+    parts = [x for s in (source, target) for x in (s.signatures, *(getattr(s.measures, name) for name in _MEASURES))]
+    key = cache_key("pool/1", *parts, len(source.graph.area), len(target.graph.area), pool)
+    return cache.arrays(key, lambda: {"pairs": _pool(source, target, pool)})["pairs"]
 
 
 def _pool(source: DescribedShape, target: DescribedShape, pool: int) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from .describing import DescribedShape
 from .extending import with_nodes
-from .proposing import Proposals, with_pairs
+from .proposing import Proposals, codes, with_pairs
 from .wishes import Node, Pair, Wishes, check_segments
 
 
@@ -51,6 +51,6 @@ def _pairs(pairs: Sequence[Pair], source: DescribedShape, target: DescribedShape
 
 def _rows(proposals: Proposals, pairs: np.ndarray) -> np.ndarray:
     """Rows (q,) of pairs (q, 2) among the proposals, -1 for those that are not there."""
-    known, wanted = (p[:, 0] << 32 | p[:, 1] for p in (proposals.pairs, pairs))
+    known, wanted = (codes(p) for p in (proposals.pairs, pairs))
     rows = np.minimum(np.searchsorted(known, wanted), len(known) - 1)
     return np.where(known[rows] == wanted, rows, -1)

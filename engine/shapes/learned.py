@@ -55,7 +55,7 @@ class Seen:
 
 @lru_cache(maxsize=1)
 def weights() -> dict[str, Any]:
-    """The fitted numbers: `names` of the inputs and `stages`, lists of networks."""
+    """The fitted numbers: `stages`, lists of networks."""
     return read_networks(FILE)
 
 
@@ -87,10 +87,16 @@ def judge(source: DescribedShape, target: DescribedShape, *, progress: Progress 
     if source.cache is None:
         made = make()
     else:
-        parts = [(shape.segment_ids, shape.descriptors) for shape in (source, target)]
-        made = source.cache.arrays(cache_key(VERSION, _fit(), *(x for part in parts for x in part)), make)
+        known = [x for shape in (source, target) for x in _known(shape)]
+        made = source.cache.arrays(cache_key(VERSION, _fit(), *known), make)
     outputs = made["found"]
     return Judged(made["pairs"], outputs[:, :2].min(axis=1), outputs[:, 2])
+
+
+def _known(shape: DescribedShape) -> tuple[object, ...]:
+    """All of a shape that its judgement depends on, for the key of the cache."""
+    nodes = np.packbits(shape.layers.members, axis=1)
+    return (shape.segment_ids, shape.descriptors, nodes, shape.graph.edges, shape.measures.between, shape.parameters.seed)
 
 
 def _order(shape: DescribedShape) -> str:

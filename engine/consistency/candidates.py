@@ -14,6 +14,14 @@ def k_best(pairs: np.ndarray, distance: np.ndarray, k: int, *, side: int) -> np.
     return _nearest(np.ascontiguousarray(pairs[:, side]), np.asarray(distance, dtype=np.float64), int(k))
 
 
+def keep_nearest(kept: np.ndarray, distance: np.ndarray, pool: int) -> None:
+    """Mark in `kept` (n, m) the `pool` nearest of each row and of each column."""
+    for axis in (0, 1):
+        most = min(pool, distance.shape[axis])
+        rows = np.argpartition(distance, most - 1, axis=axis)
+        np.put_along_axis(kept, rows[:most] if axis == 0 else rows[:, :most], True, axis=axis)
+
+
 @njit(cache=True, nogil=True)
 def _nearest(row, distance, k):  # type: ignore[no-untyped-def]
     """Which entries are among the k smallest of their row, the earlier one first where equal."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
+from ..consistency.candidates import keep_nearest
 from .alignment import Alignment, alignments
 from .lightfield import signature_distances
 from .surfacepoints import SurfacePoints
@@ -49,10 +50,7 @@ def look_at_pairs(source: Side, target: Side) -> Looks:
     kept = np.zeros(near.shape, dtype=bool)
     kept[: source.segments, : target.segments] = True
     for distance in (quick, reach):
-        for axis in (0, 1):
-            most = min(NEAREST, distance.shape[axis])
-            rows = np.argpartition(distance, most - 1, axis=axis)
-            np.put_along_axis(kept, rows[:most] if axis == 0 else rows[:, :most], True, axis=axis)
+        keep_nearest(kept, distance, NEAREST)
     pairs = np.argwhere(kept)
     i, j = pairs.T
     columns = {f"apart_{name}": np.abs(source.features[name][i] - target.features[name][j]) for name in source.features}

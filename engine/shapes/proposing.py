@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..consistency.candidates import keep_nearest
 from ..progress import Progress, share, silent
 from ..store import Cache, cache_key
 from .agreement import pack
@@ -196,7 +197,7 @@ def _near_otherwise(proposals: Proposals, names: Sequence[str], p: MatchParamete
     size, extent, centrality = _differences(source, target)
     kept = np.zeros((n, m), dtype=bool)
     for distance in (*alone, total, total + size, total + 0.5 * extent + 2 * centrality):
-        _keep_nearest(kept, distance, p.pool)
+        keep_nearest(kept, distance, p.pool)
     return np.argwhere(kept)
 
 
@@ -256,7 +257,7 @@ def _pool(source: DescribedShape, target: DescribedShape, pool: int) -> np.ndarr
     kept = np.zeros((n, m), dtype=bool)
     kept[: len(source.graph.area), : len(target.graph.area)] = True
     for extra in (0.0, size, 0.5 * extent + 2 * centrality, 5 * size, 2 * extent + 10 * centrality):
-        _keep_nearest(kept, near + extra, pool)
+        keep_nearest(kept, near + extra, pool)
     return np.argwhere(kept)
 
 
@@ -265,14 +266,6 @@ def _differences(source: DescribedShape, target: DescribedShape) -> tuple[np.nda
     s, t = source.measures, target.measures
     size, extent, centrality = (_apart(getattr(s, x)[:-1, None], getattr(t, x)[None, :-1]) for x in _MEASURES)
     return size, extent, centrality
-
-
-def _keep_nearest(kept: np.ndarray, distance: np.ndarray, pool: int) -> None:
-    """Mark in `kept` (n, m) the `pool` nearest of each row and of each column."""
-    for axis in (0, 1):
-        most = min(pool, distance.shape[axis])
-        rows = np.argpartition(distance, most - 1, axis=axis)
-        np.put_along_axis(kept, rows[:most] if axis == 0 else rows[:, :most], True, axis=axis)
 
 
 def _light_field(source: DescribedShape, target: DescribedShape, pairs: np.ndarray, kind: str) -> np.ndarray:

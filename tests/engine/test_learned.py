@@ -167,3 +167,11 @@ def test_a_segment_without_area_is_matched_like_any_other(lamp):
     flat = SegmentedShape(mesh, segmentation_from_labels([0, 1, 2]))
     for other in (flat, lamp):
         assert np.isfinite(match_shapes(flat, other, LEARNED).score).all()
+
+
+def test_other_geodesic_distances_are_judged_anew_though_the_cache_knows_the_pair(tmp_path):
+    pair, cache, other = make_pair("candles", 5), Cache(tmp_path), LEARNED.changed(geodesic_points=150)
+    match_shapes(pair.source, pair.target, LEARNED, cache=cache)
+    kept, plain = (match_shapes(pair.source, pair.target, other, cache=c) for c in (cache, None))
+    assert kept.ids == plain.ids
+    assert kept.score.tolist() == plain.score.tolist()

@@ -24,13 +24,25 @@ BUSY_SECONDS = 30.0
 
 
 class StudyFile:
-    """An open study file: `reading()` and `writing()` give a connection in a transaction; safe to share by threads."""
+    """An open study file (see `annotation.handle.StudyHandle`)."""
+
+    volunteer: str | None = None  # anybody may vote
 
     def __init__(self, path: Path, busy_seconds: float = BUSY_SECONDS) -> None:
         self.path = path
         self.busy_seconds = busy_seconds
         self._inode = _inode(path)
         self._engine = _connectable(path, busy_seconds)
+
+    @property
+    def where(self) -> str:
+        """The path, for sentences."""
+        return str(self.path)
+
+    @property
+    def folder(self) -> Path | None:
+        """Where its shapes may lie."""
+        return self.path.parent
 
     @contextlib.contextmanager
     def reading(self) -> Iterator[Connection]:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from engine.report import PictureMaker
     from engine.shapes.result import MatchResult
 
-    from .database import StudyFile
+    from .handle import StudyHandle
 
 PRESETS = (DEFAULT_PRESET, "thesis-rigid", "thesis-rigid-size")
 TRUTH = "truth"  # the code that the known classes of the examples vote under
@@ -53,7 +53,7 @@ def run_demo(folder: Path, draw: "PictureMaker") -> None:
     print(f"{len(shown.ids)} matches between {source.mesh.name} and {target.mesh.name}; all results are in {folder}")
 
 
-def _judge_examples(study: "StudyFile", progress: Progress) -> "MatchResult":
+def _judge_examples(study: "StudyHandle", progress: Progress) -> "MatchResult":
     """Match and judge all bundled pairs; returns the first pair's result under the default preset."""
     from engine.shapes.matching import describe, propose, rematch
     from engine.shapes.meshfile import load_shape, read_labels

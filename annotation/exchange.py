@@ -11,7 +11,7 @@ from engine.errors import BadInput
 
 from . import schema
 from .csvtext import csv_text
-from .database import StudyFile
+from .handle import StudyHandle
 from .proposals import canonical
 from .study import about, open_study
 
@@ -89,7 +89,7 @@ def _append(connection: Connection, events: Iterable[Row[Any]], path: Path | str
     return len(fresh)
 
 
-def votes_csv(handle: StudyFile) -> str:
+def votes_csv(handle: StudyHandle) -> str:
     """Every vote ever given, one a row; `state` says whether it counts ("current"), was replaced or retracted."""
     event, item = schema.event, schema.item
     query = (

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from engine.errors import BadInput
 
-from .database import StudyFile
+from .handle import StudyHandle
 from .proposals import add_run, distinct, shape_item
 from .records import Proposal, Run
 
@@ -65,7 +65,7 @@ def read_matches(path: Path | str, set_name: str = "") -> Run:
         raise BadInput(f"{path} is no file of matches ({where}: {first['msg']}); write it anew.") from None
 
 
-def add_result(handle: StudyFile, result: "MatchResult", *, set_name: str = "") -> str:
+def add_result(handle: StudyHandle, result: "MatchResult", *, set_name: str = "") -> str:
     """Register a result of shape matching (see `add_run`); `set_name` names its row group in the precision table."""
     from engine.matchfile import result_to_json
 

@@ -12,7 +12,7 @@ from sqlalchemy import func, select
 from engine.evaluation.intervals import Interval, clustered_interval
 
 from . import schema
-from .database import StudyFile
+from .handle import StudyHandle
 from .majority import Majority, majorities
 
 ALL_SETS = "(all)"
@@ -66,12 +66,12 @@ class Ballot(NamedTuple):
     answer: str
 
 
-def precision_table(handle: StudyFile, *, round: int = 1) -> tuple[PrecisionRow, ...]:
+def precision_table(handle: StudyHandle, *, round: int = 1) -> tuple[PrecisionRow, ...]:
     """The rows of a study by method, preset and set, and a row over all sets where a method has several."""
     return tabulate(proposed(handle), ballots(handle, round=round))
 
 
-def proposed(handle: StudyFile) -> tuple[Proposed, ...]:
+def proposed(handle: StudyHandle) -> tuple[Proposed, ...]:
     """What each method proposed for each pair, by its newest run there (a re-run replaces, it does not count twice)."""
     run, match = schema.run.c, schema.run_match.c
     group = (run.method, run.preset, run.set_name, run.pair)
@@ -88,7 +88,7 @@ def proposed(handle: StudyFile) -> tuple[Proposed, ...]:
     )
 
 
-def ballots(handle: StudyFile, *, round: int = 1) -> tuple[Ballot, ...]:
+def ballots(handle: StudyHandle, *, round: int = 1) -> tuple[Ballot, ...]:
     """The votes that count."""
     vote = schema.current_vote.c
     with handle.reading() as connection:

@@ -10,18 +10,18 @@ from sqlalchemy import Connection, insert, select, update
 from engine.errors import BadInput
 
 from . import schema
-from .database import StudyFile
+from .handle import StudyHandle
 from .records import Item, Proposal, Run
 from .stamps import app_version, now
 
 
-def add_items(handle: StudyFile, items: Iterable[Item]) -> int:
+def add_items(handle: StudyHandle, items: Iterable[Item]) -> int:
     """Register items that need no run; those already there stay as they are. Returns how many were new."""
     with handle.writing() as connection:
         return _add_items(connection, items)
 
 
-def add_run(handle: StudyFile, run: Run) -> str:
+def add_run(handle: StudyHandle, run: Run) -> str:
     """Register a run and its items in one transaction, and return its id.
 
     The same outcome of the same method, parameters, pair and set is the same run: adding it again adds nothing but

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from engine.puzzles.pieces import Puzzle, Truth
     from engine.puzzles.solution import PuzzleSolution
 
-    from .database import StudyFile
+    from .handle import StudyHandle
 
 Ways = Sequence[tuple[str, str]]  # methods and measures to be compared
 WAYS: Ways = (("auto", "learned"), ("mst", "mgc-root"), ("mst", "emd-lab"), ("diffusion", "emd-lab"))
@@ -23,7 +23,7 @@ PIECE_SIZE = 28  # pixels of a square: 378 pieces of the portrait, 432 of the la
 
 
 def judge_example_puzzles(
-    study: "StudyFile", folder: Path, volunteer: str, *, progress: Progress = silent
+    study: "StudyHandle", folder: Path, volunteer: str, *, progress: Progress = silent
 ) -> tuple[str, str]:
     """Solve the bundled portrait into `folder/puzzle`, and a painted landscape of turned pieces into `folder/turned`.
 
@@ -42,7 +42,7 @@ def judge_example_puzzles(
 
 
 def _judge(
-    study: "StudyFile", folder: Path, volunteer: str, picture: Path, ways: Ways, turned: bool = False, *,
+    study: "StudyHandle", folder: Path, volunteer: str, picture: Path, ways: Ways, turned: bool = False, *,
     progress: Progress,
 ) -> str:  # fmt: skip
     """Solve one picture in each way, let the truth vote on the joins, and write what the first way found."""
@@ -64,7 +64,7 @@ def _judge(
     return _write(folder, puzzle, truth, found[0], source)
 
 
-def vote_by_truth(study: "StudyFile", volunteer: str, items: Sequence[str], right: Sequence[bool]) -> None:
+def vote_by_truth(study: "StudyHandle", volunteer: str, items: Sequence[str], right: Sequence[bool]) -> None:
     """One vote an item, by whether it is right, unless that is the volunteer's vote already."""
     given, votes = answers(study, volunteer), dict(zip(items, right, strict=True))
     told = {item: "correct" if is_right else "wrong" for item, is_right in votes.items()}

@@ -13,7 +13,7 @@ from engine.puzzles.scoring import TOLERANCE
 from engine.puzzles.solution import Joins, PuzzleSolution
 from engine.puzzles.turning import turned_raster
 
-from .database import StudyFile
+from .handle import StudyHandle
 from .proposals import add_run, distinct
 from .records import Item, Proposal, Run
 
@@ -28,7 +28,7 @@ __all__ = [
 
 
 def add_solution(
-    handle: StudyFile, puzzle: Puzzle, solution: PuzzleSolution, *, set_name: str = "", guided: bool = False
+    handle: StudyHandle, puzzle: Puzzle, solution: PuzzleSolution, *, set_name: str = "", guided: bool = False
 ) -> str:
     """Register a solution and its joins in a study, and return the id of the run (see `add_run`).
 

@@ -11,7 +11,11 @@ Kind = Literal["shape", "puzzle"]
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """What a study file says of itself; `seed` orders its items for each volunteer."""
+    """What a study says of itself; `seed` orders its items for each volunteer.
+
+    `votes` is k, how many votes an item is to get, 0 for one of everybody; `adaptive` asks no further once more than
+    k / 2 agree; `unsure` allows that answer.
+    """
 
     id: str
     name: str
@@ -20,6 +24,9 @@ class Study:
     seed: str
     settings: Mapping[str, Any]
     created_at: str
+    votes: int = 0
+    adaptive: bool = True
+    unsure: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +46,28 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Volunteer:
-    """Somebody who votes, known by a code alone; `seed` orders the items and chooses the sides."""
+    """Somebody who votes, known by a code alone; `seed` orders the items and chooses the sides.
+
+    One who `adjudicates` is asked about unresolved items alone.
+    """
 
     code: str
     seed: str
+    adjudicates: bool = False
+
+
+class OpenItem(NamedTuple):
+    """An item that a volunteer is still to be asked about; practice items have round 0, all others 1."""
+
+    item_id: str
+    round: int
+
+
+class Practice(NamedTuple):
+    """The known answer of a practice item, and what to tell the volunteer after the vote."""
+
+    answer: Answer
+    reason: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,11 @@
-"""The tables of a study, version 1. Votes are an append-only log of events; everything said about them is a view.
+"""The tables of a study, version 2. Votes are an append-only log of events; everything said about them is a view.
 
-The same tables serve other databases by URL later, so types are plain TEXT, INTEGER and REAL; times are ISO 8601 in
-UTC and structured values JSON text.
+The same tables serve SQLite and PostgreSQL, so types are plain TEXT, INTEGER, REAL and BLOB; times are ISO 8601 in UTC
+and structured values JSON text. What a volunteer may not know (runs, scores, gold marks, others' votes) is never in a
+table that a volunteer's query reads: those are `study`, `item`, `blob`, `practice`, `open_item` and the own events.
 """
+
+from typing import Any
 
 from sqlalchemy import (
     REAL,
@@ -12,30 +15,42 @@ from sqlalchemy import (
     ForeignKey,
     Index,
     Integer,
+    LargeBinary,
     MetaData,
     Table,
     Text,
     column,
     table,
 )
+from sqlalchemy.dialects import sqlite
+from sqlalchemy.dialects.postgresql import DOUBLE_PRECISION
+from sqlalchemy.schema import CreateTable
+from sqlalchemy.types import TypeEngine
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 APPLICATION_ID = 0x436E6364  # "Cncd", in the header of every study file
-MIGRATIONS: dict[int, tuple[str, ...]] = {}  # statements that lead from a version to the next
 
 metadata = MetaData()
+Real: TypeEngine[Any] = REAL().with_variant(DOUBLE_PRECISION(), "postgresql")
 
 
 def _text(name: str, *constraints: CheckConstraint | ForeignKey, primary_key: bool = False) -> Column[str]:
     return Column(name, Text, *constraints, nullable=False, primary_key=primary_key)
 
 
+def _number(name: str, default: int = 0) -> Column[int]:
+    return Column(name, Integer, nullable=False, server_default=str(default))
+
+
 study = Table(
     "study", metadata,
     _text("id", primary_key=True), _text("name"), _text("question"), _text("guideline"), _text("seed"),
     _text("settings"), _text("app_version"), _text("created_at"),
+    _number("votes"), _number("adaptive", 1), _number("unsure", 1),
     sqlite_strict=True,
 )  # fmt: skip
+"""One row. `votes` is k, how many votes an item is to get, 0 for one of everybody; `adaptive` asks no further once more
+than k / 2 agree; `unsure` allows that answer."""
 
 item = Table(
     "item", metadata,
@@ -56,16 +71,51 @@ run_match = Table(
     "run_match", metadata,
     _text("run_id", ForeignKey("run.id"), primary_key=True),
     _text("item_id", ForeignKey("item.id"), primary_key=True),
-    Column("rank", Integer, nullable=False), Column("score", REAL, nullable=False),
+    Column("rank", Integer, nullable=False), Column("score", Real, nullable=False),
     Column("votes", Integer, nullable=False), Column("source_layer", Integer), Column("target_layer", Integer),
     sqlite_strict=True,
 )  # fmt: skip
 
 volunteer = Table(
     "volunteer", metadata,
-    _text("code", primary_key=True), _text("seed"), _text("created_at"),
+    _text("code", primary_key=True), _text("seed"), _text("created_at"), _number("adjudicates"),
     sqlite_strict=True,
 )  # fmt: skip
+"""An adjudicator (`adjudicates` = 1) is asked about unresolved items alone; each vote counts like any other."""
+
+asked = Table(
+    "asked", metadata,
+    _text("item_id", ForeignKey("item.id"), primary_key=True),
+    _text("role", CheckConstraint("role IN ('judged', 'gold', 'practice')")),
+    Column("answer", Text, CheckConstraint("answer IN ('correct', 'wrong')")), _text("reason"), _text("stratum"),
+    Column("probability", Real), _number("overlapped"), _text("added_at"),
+    sqlite_strict=True,
+)  # fmt: skip
+"""Which items are asked, and why; where it is empty, all are. `answer` is the known one of gold and practice items,
+`reason` what is told after a practice item, `probability` that of being drawn into the sample (None: not drawn),
+`overlapped` marks items that get all k votes, for agreement. Practice items are voted on in round 0."""
+
+assignment = Table(
+    "assignment", metadata,
+    _text("item_id", ForeignKey("item.id"), primary_key=True),
+    _text("volunteer", ForeignKey("volunteer.code"), primary_key=True), _text("made_at"),
+    sqlite_strict=True,
+)  # fmt: skip
+"""What was handed out in packets; a volunteer who has any is asked about these alone, and others less about them."""
+
+blob = Table(
+    "blob", metadata,
+    _text("key", primary_key=True), Column("content", LargeBinary, nullable=False),
+    sqlite_strict=True,
+)  # fmt: skip
+"""The shapes that items show: a study can be judged where its meshes are not (see `annotation.blobs`)."""
+
+forgotten = Table(
+    "forgotten", metadata,
+    _text("code_hash", primary_key=True), _text("pseudonym"), _number("votes_kept", 1), _text("at"),
+    sqlite_strict=True,
+)  # fmt: skip
+"""Volunteers who asked to be deleted, by the hash of their code, so that no merge brings them back."""
 
 event = Table(
     "event", metadata,
@@ -92,6 +142,47 @@ CURRENT_VOTE = """CREATE VIEW current_vote AS
 SELECT * FROM (SELECT s.*, row_number() OVER (PARTITION BY s.item_id, s.volunteer, s.round
 ORDER BY s.clock DESC, s.created_at DESC, s.uuid DESC) AS age FROM standing_vote AS s) AS ordered WHERE age = 1"""
 
+
+# Round 1 alone decides: practice is round 0.
+TALLY = """CREATE VIEW tally AS SELECT item_id, COUNT(*) AS votes,
+SUM(CASE WHEN answer = 'correct' THEN 1 ELSE 0 END) AS correct, SUM(CASE WHEN answer = 'wrong' THEN 1 ELSE 0 END) AS wrong
+FROM current_vote WHERE round = 1 GROUP BY item_id"""
+# How many volunteers hold an item in a packet and have not answered yet: they may still settle it.
+WAITING = """CREATE VIEW waiting AS SELECT a.item_id, COUNT(*) AS packets FROM assignment AS a
+WHERE NOT EXISTS (SELECT 1 FROM event AS e WHERE e.item_id = a.item_id AND e.volunteer = a.volunteer AND e.round = 1)
+GROUP BY a.item_id"""
+# An item wants another vote until it has k, or, where the study is adaptive and the item not overlapped, until more than
+# k / 2 agree; an item of k votes that is unresolved wants one more. Then it is for an adjudicator.
+WANTED = """CREATE VIEW wanted AS
+SELECT f.item_id, f.role, CASE
+WHEN f.k = 0 OR f.role <> 'judged' THEN 1
+WHEN f.votes + f.packets < f.k
+AND (f.adaptive = 0 OR f.overlapped = 1 OR 2 * (CASE WHEN f.correct > f.wrong THEN f.correct ELSE f.wrong END + f.packets) <= f.k)
+THEN 1
+WHEN f.votes = f.k AND f.packets = 0 AND f.correct = f.wrong THEN 1
+ELSE 0 END AS open,
+CASE WHEN f.correct = f.wrong AND f.packets = 0 AND f.votes > f.k AND f.votes > 0 THEN 1
+WHEN f.correct = f.wrong AND f.packets = 0 AND f.votes >= f.k AND f.votes > 1 THEN 1
+ELSE 0 END AS disputed
+FROM (SELECT i.id AS item_id, COALESCE(q.role, 'judged') AS role, COALESCE(q.overlapped, 0) AS overlapped,
+s.votes AS k, s.adaptive AS adaptive, COALESCE(t.votes, 0) AS votes, COALESCE(t.correct, 0) AS correct,
+COALESCE(t.wrong, 0) AS wrong, COALESCE(w.packets, 0) AS packets
+FROM item AS i CROSS JOIN study AS s LEFT JOIN asked AS q ON q.item_id = i.id
+LEFT JOIN tally AS t ON t.item_id = i.id LEFT JOIN waiting AS w ON w.item_id = i.id
+WHERE q.item_id IS NOT NULL OR NOT EXISTS (SELECT 1 FROM asked)) AS f"""
+OPEN_ITEM = """CREATE VIEW open_item AS
+SELECT v.code AS volunteer, w.item_id AS item_id, CASE WHEN w.role = 'practice' THEN 0 ELSE 1 END AS round
+FROM volunteer AS v CROSS JOIN wanted AS w
+WHERE NOT EXISTS (SELECT 1 FROM standing_vote AS e WHERE e.item_id = w.item_id AND e.volunteer = v.code
+AND e.round = CASE WHEN w.role = 'practice' THEN 0 ELSE 1 END)
+AND CASE WHEN v.adjudicates = 1 THEN w.disputed = 1 AND w.role = 'judged'
+WHEN w.role = 'practice' THEN 1 = 1
+WHEN EXISTS (SELECT 1 FROM assignment AS a WHERE a.volunteer = v.code)
+THEN EXISTS (SELECT 1 FROM assignment AS a WHERE a.volunteer = v.code AND a.item_id = w.item_id)
+ELSE w.open = 1 END"""
+PRACTICE = "CREATE VIEW practice AS SELECT item_id, answer, reason FROM asked WHERE role = 'practice'"
+VIEWS = (STANDING_VOTE, CURRENT_VOTE, TALLY, WAITING, WANTED, OPEN_ITEM, PRACTICE)
+
 _FORBIDDEN = "votes are only ever added: nothing may change or remove one"
 SQLITE_TRIGGERS = tuple(
     f"CREATE TRIGGER event_{name} BEFORE {action} BEGIN SELECT RAISE(ABORT, '{_FORBIDDEN}'); END"
@@ -105,10 +196,28 @@ SQLITE_TRIGGERS = tuple(
 standing_vote, current_vote = (
     table(name, *(column(c.name, c.type) for c in event.columns)) for name in ("standing_vote", "current_vote")
 )
+open_item = table("open_item", column("volunteer", Text()), column("item_id", Text()), column("round", Integer()))
+practice = table("practice", column("item_id", Text()), column("answer", Text()), column("reason", Text()))
 
 
 def create_schema(connection: Connection) -> None:
     """All tables, views and triggers, in an open transaction on an empty database."""
     metadata.create_all(connection, checkfirst=False)
-    for statement in (STANDING_VOTE, CURRENT_VOTE, *SQLITE_TRIGGERS):
+    for statement in (*VIEWS, *SQLITE_TRIGGERS):
         connection.exec_driver_sql(statement)
+
+
+def _added(table: Table) -> str:
+    return str(CreateTable(table).compile(dialect=sqlite.dialect()))
+
+
+MIGRATIONS: dict[int, tuple[str, ...]] = {  # statements that lead from a version to the next
+    1: (
+        "ALTER TABLE study ADD COLUMN votes INTEGER NOT NULL DEFAULT 0",
+        "ALTER TABLE study ADD COLUMN adaptive INTEGER NOT NULL DEFAULT 1",
+        "ALTER TABLE study ADD COLUMN unsure INTEGER NOT NULL DEFAULT 1",
+        "ALTER TABLE volunteer ADD COLUMN adjudicates INTEGER NOT NULL DEFAULT 0",
+        *(_added(table) for table in (asked, assignment, blob, forgotten)),
+        *VIEWS[2:],
+    )
+}

@@ -6,7 +6,9 @@ that `create_study` and `open_study` return; every failure that a person can mee
 
 import json
 import uuid
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from sqlalchemy import Connection, insert, select
 
@@ -14,10 +16,11 @@ from engine.errors import BadParameter
 
 from . import schema
 from .database import BUSY_SECONDS, StudyFile, create_file, open_file
+from .handle import StudyHandle
 from .majority import ANSWERS, Answer, Majority, Verdict
 from .matchesfile import add_result
-from .proposals import add_items, add_run, shape_item
-from .records import Item, Proposal, Run, Study, Volunteer, Vote, VotingProgress
+from .proposals import add_items, add_run, canonical, shape_item
+from .records import Item, OpenItem, Practice, Proposal, Run, Study, Volunteer, Vote, VotingProgress
 from .stamps import app_version, now
 from .voting import (
     answers,
@@ -26,7 +29,9 @@ from .voting import (
     items,
     majority,
     next_item,
+    open_items,
     ordered_ids,
+    practice,
     progress,
     record_vote,
     record_votes,
@@ -37,25 +42,73 @@ from .voting import (
 )
 
 __all__ = [
-    "ANSWERS", "DEFAULT_QUESTION", "Answer", "Item", "Majority", "Proposal", "Run", "Study", "StudyFile", "Verdict",
-    "Volunteer", "Vote", "VotingProgress", "about", "add_items", "add_result", "add_run", "answers", "create_study",
-    "current_votes", "item", "items", "majority", "next_item", "open_study", "ordered_ids", "progress", "record_vote",
-    "record_votes", "shape_item", "sides_swapped", "undo_vote", "volunteer", "volunteers",
+    "ANSWERS",
+    "DEFAULT_QUESTION",
+    "Answer",
+    "Item",
+    "Majority",
+    "OpenItem",
+    "Practice",
+    "Proposal",
+    "Run",
+    "Study",
+    "StudyFile",
+    "StudyHandle",
+    "Verdict",
+    "Volunteer",
+    "Vote",
+    "VotingProgress",
+    "about",
+    "add_items",
+    "add_result",
+    "add_run",
+    "answers",
+    "create_study",
+    "current_votes",
+    "item",
+    "items",
+    "majority",
+    "next_item",
+    "open_items",
+    "open_study",
+    "ordered_ids",
+    "practice",
+    "progress",
+    "record_vote",
+    "record_votes",
+    "shape_item",
+    "sides_swapped",
+    "undo_vote",
+    "volunteer",
+    "volunteers",
 ]  # fmt: skip
 
 DEFAULT_QUESTION = "Do the two marked parts correspond?"
 
 
 def create_study(
-    path: Path | str, *, name: str, question: str = DEFAULT_QUESTION, guideline: str = "", seed: str | None = None
+    path: Path | str,
+    *,
+    name: str,
+    question: str = DEFAULT_QUESTION,
+    guideline: str = "",
+    seed: str | None = None,
+    votes: int = 0,
+    adaptive: bool = True,
+    unsure: bool = True,
+    settings: Mapping[str, Any] | None = None,
+    study_id: str | None = None,
 ) -> StudyFile:
-    """Make a new study file and open it; an existing file is refused. `seed` (drawn if None) fixes all orders."""
+    """Make a new study file and open it; an existing file is refused. `seed` (drawn if None) fixes all orders.
+
+    For `votes`, `adaptive` and `unsure` see `Study`; `settings` is whatever else the design has to remember, as JSON.
+    """
     if not name.strip():
         raise BadParameter("A study needs a name; give one.")
     values = {
-        "id": str(uuid.uuid4()), "name": name.strip(), "question": question, "guideline": guideline,
-        "seed": seed if seed is not None else uuid.uuid4().hex, "settings": "{}",
-        "app_version": app_version(), "created_at": now(),
+        "id": study_id or str(uuid.uuid4()), "name": name.strip(), "question": question, "guideline": guideline,
+        "seed": seed if seed is not None else uuid.uuid4().hex, "settings": canonical(settings or {}),
+        "app_version": app_version(), "created_at": now(), "votes": votes, "adaptive": int(adaptive), "unsure": int(unsure),
     }  # fmt: skip
 
     def fill(connection: Connection) -> None:
@@ -74,8 +127,11 @@ def open_study(path: Path | str, *, busy_seconds: float = BUSY_SECONDS, backup: 
     return open_file(Path(path).absolute(), busy_seconds=busy_seconds, backup=backup)
 
 
-def about(handle: StudyFile) -> Study:
+def about(handle: StudyHandle) -> Study:
     """What the study says of itself."""
     with handle.reading() as connection:
         row = connection.execute(select(schema.study)).one()
-    return Study(row.id, row.name, row.question, row.guideline, row.seed, json.loads(row.settings), row.created_at)
+    return Study(
+        row.id, row.name, row.question, row.guideline, row.seed, json.loads(row.settings), row.created_at, row.votes,
+        bool(row.adaptive), bool(row.unsure),
+    )  # fmt: skip

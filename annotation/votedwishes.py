@@ -13,7 +13,7 @@ from engine.shapes.segmentation import SegmentedShape
 from engine.shapes.wishes import Node, Pair, Wishes
 
 from . import schema
-from .database import StudyFile
+from .handle import StudyHandle
 from .majority import Majority
 from .study import open_study
 from .voting import majority
@@ -49,7 +49,7 @@ def read_voted_wishes(path: Path, source: SegmentedShape, target: SegmentedShape
     return found
 
 
-def voted_wishes(handle: StudyFile, source: SegmentedShape, target: SegmentedShape, *, round: int = 1) -> VotedWishes:
+def voted_wishes(handle: StudyHandle, source: SegmentedShape, target: SegmentedShape, *, round: int = 1) -> VotedWishes:
     """The majority of every item on two shapes as wishes; ties and items without a decisive vote make none.
 
     Items are recognised by their content hashes, so renamed files, other methods and another order of the two shapes do
@@ -65,12 +65,12 @@ def voted_wishes(handle: StudyFile, source: SegmentedShape, target: SegmentedSha
     return VotedWishes(Wishes(pinned, forbidden), len(found), undecided, excluded)
 
 
-def known_pairs(handle: StudyFile, source: SegmentedShape, target: SegmentedShape) -> dict[str, Pair]:
+def known_pairs(handle: StudyHandle, source: SegmentedShape, target: SegmentedShape) -> dict[str, Pair]:
     """The matches of two shapes that a study holds, by item."""
     return {item: pairs[0] for item, pairs in _items(handle, source, target).items()}
 
 
-def _items(handle: StudyFile, source: SegmentedShape, target: SegmentedShape) -> dict[str, tuple[Pair, ...]]:
+def _items(handle: StudyHandle, source: SegmentedShape, target: SegmentedShape) -> dict[str, tuple[Pair, ...]]:
     """The items on two shapes and the matches that they stand for."""
     with handle.reading() as connection:
         rows = connection.execute(select(schema.item).where(schema.item.c.kind == "shape")).all()

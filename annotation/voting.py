@@ -17,10 +17,10 @@ from sqlalchemy import Connection, Row, func, insert, select
 from engine.errors import BadInput, BadParameter
 
 from . import schema
-from .database import StudyFile
+from .handle import StudyHandle
 from .majority import ANSWERS, Majority, majorities
 from .proposals import canonical
-from .records import Item, Volunteer, Vote, VotingProgress
+from .records import Item, OpenItem, Practice, Volunteer, Vote, VotingProgress
 from .stamps import app_version, now
 
 _events, _current = schema.event.c, schema.current_vote.c
@@ -34,26 +34,26 @@ def checked_code(code: str) -> str:
     return found
 
 
-def volunteer(handle: StudyFile, code: str) -> Volunteer:
+def volunteer(handle: StudyHandle, code: str) -> Volunteer:
     """The volunteer of that code, made on first use."""
     code = checked_code(code)
     with handle.reading() as connection:
         row = connection.execute(select(schema.volunteer).where(schema.volunteer.c.code == code)).first()
     if row is not None:
-        return Volunteer(row.code, row.seed)
+        return _voter(row)
     with handle.writing() as connection:
         return _volunteer(connection, code)
 
 
-def volunteers(handle: StudyFile) -> tuple[Volunteer, ...]:
+def volunteers(handle: StudyHandle) -> tuple[Volunteer, ...]:
     """Everybody who has a code, in its order."""
     with handle.reading() as connection:
         rows = connection.execute(select(schema.volunteer).order_by(schema.volunteer.c.code))
-        return tuple(Volunteer(row.code, row.seed) for row in rows)
+        return tuple(_voter(row) for row in rows)
 
 
 def record_vote(
-    handle: StudyFile,
+    handle: StudyHandle,
     item_id: str,
     volunteer_code: str,
     answer: str,
@@ -79,7 +79,7 @@ def record_vote(
 
 
 def record_votes(
-    handle: StudyFile, volunteer_code: str, answers: Mapping[str, str], *, round: int = 1
+    handle: StudyHandle, volunteer_code: str, answers: Mapping[str, str], *, round: int = 1
 ) -> tuple[Vote, ...]:
     """Commit the answers to many items at once, as `record_vote` does one; all are on the disk, or none.
 
@@ -94,7 +94,7 @@ def record_votes(
         )  # fmt: skip
 
 
-def undo_vote(handle: StudyFile, volunteer_code: str) -> str | None:
+def undo_vote(handle: StudyHandle, volunteer_code: str) -> str | None:
     """Retract the volunteer's last vote that still stands, and return its item; None if there is none.
 
     The retraction is an event of its own. An answer that the retracted one had replaced stands again. May be called
@@ -115,7 +115,7 @@ def undo_vote(handle: StudyFile, volunteer_code: str) -> str | None:
         return str(last.item_id)
 
 
-def items(handle: StudyFile, volunteer_code: str) -> tuple[Item, ...]:
+def items(handle: StudyHandle, volunteer_code: str) -> tuple[Item, ...]:
     """All items in this volunteer's own order, which is the same whenever it is asked for."""
     seed = volunteer(handle, volunteer_code).seed
     with handle.reading() as connection:
@@ -123,7 +123,7 @@ def items(handle: StudyFile, volunteer_code: str) -> tuple[Item, ...]:
     return tuple(_item(row) for row in sorted(rows, key=lambda row: _draw(seed, "order", row.id)))
 
 
-def ordered_ids(handle: StudyFile, volunteer_code: str) -> tuple[str, ...]:
+def ordered_ids(handle: StudyHandle, volunteer_code: str) -> tuple[str, ...]:
     """The ids of `items` in the same order, without reading what they show."""
     seed = volunteer(handle, volunteer_code).seed
     with handle.reading() as connection:
@@ -131,7 +131,7 @@ def ordered_ids(handle: StudyFile, volunteer_code: str) -> tuple[str, ...]:
     return tuple(sorted(ids, key=lambda item_id: _draw(seed, "order", item_id)))
 
 
-def item(handle: StudyFile, item_id: str) -> Item:
+def item(handle: StudyHandle, item_id: str) -> Item:
     """One item; raises `BadInput` where the study has none of this id."""
     with handle.reading() as connection:
         row = connection.execute(select(schema.item).where(schema.item.c.id == item_id)).first()
@@ -140,13 +140,29 @@ def item(handle: StudyFile, item_id: str) -> Item:
     return _item(row)
 
 
-def next_item(handle: StudyFile, volunteer_code: str, *, round: int = 1, skipped: Collection[str] = ()) -> Item | None:
-    """The first item that this volunteer has not answered; those `skipped` come back at the end; None when done."""
-    code = checked_code(volunteer_code)
-    done = set(answers(handle, code, round=round))
-    left = [item_id for item_id in ordered_ids(handle, code) if item_id not in done]
-    chosen = min(left, key=lambda item_id: item_id in skipped, default=None)
-    return None if chosen is None else item(handle, chosen)
+def open_items(handle: StudyHandle, volunteer_code: str) -> tuple[OpenItem, ...]:
+    """What this volunteer is still to be asked about, practice first, then in the volunteer's own order.
+
+    What is asked depends on the design of the study: see the view `wanted` in `annotation.schema`.
+    """
+    voter, view = volunteer(handle, volunteer_code), schema.open_item.c
+    with handle.reading() as connection:
+        rows = connection.execute(select(view.item_id, view.round).where(view.volunteer == voter.code)).all()
+    return tuple(sorted((OpenItem(*row) for row in rows), key=lambda o: (o.round, _draw(voter.seed, "order", o.item_id))))
+
+
+def practice(handle: StudyHandle) -> dict[str, Practice]:
+    """The known answers of the practice items, by item."""
+    with handle.reading() as connection:
+        rows = connection.execute(select(schema.practice)).all()
+    return {row.item_id: Practice(row.answer, row.reason) for row in rows}
+
+
+def next_item(handle: StudyHandle, volunteer_code: str, *, skipped: Collection[str] = ()) -> Item | None:
+    """The first item to be asked; those `skipped` come back at the end; None when done."""
+    left = open_items(handle, volunteer_code)
+    chosen = min(left, key=lambda one: one.item_id in skipped, default=None)
+    return None if chosen is None else item(handle, chosen.item_id)
 
 
 def sides_swapped(voter: Volunteer, item_id: str) -> bool:
@@ -154,11 +170,10 @@ def sides_swapped(voter: Volunteer, item_id: str) -> bool:
     return int(_draw(voter.seed, "side", item_id), 16) % 2 == 1
 
 
-def progress(handle: StudyFile, volunteer_code: str, *, round: int = 1) -> VotingProgress:
-    """How many of how many are answered, and the time left at the volunteer's own pace."""
-    votes = current_votes(handle, volunteer=checked_code(volunteer_code), round=round)
-    with handle.reading() as connection:
-        total = connection.scalar(select(func.count()).select_from(schema.item)) or 0
+def progress(handle: StudyHandle, volunteer_code: str) -> VotingProgress:
+    """How many of how many are answered (practice apart), and the time left at the volunteer's own pace."""
+    votes = current_votes(handle, volunteer=checked_code(volunteer_code))
+    total = len(votes) + sum(one.round > 0 for one in open_items(handle, volunteer_code))
     spent = [vote.active_ms if vote.active_ms is not None else vote.shown_ms for vote in votes]
     pace = seconds_each([ms for ms in spent if ms is not None])
     return VotingProgress(len(votes), total, None if pace is None else pace * (total - len(votes)))
@@ -170,7 +185,7 @@ def seconds_each(milliseconds: Sequence[int]) -> float | None:
 
 
 def current_votes(
-    handle: StudyFile, item_ids: Iterable[str] | None = None, volunteer: str | None = None, *, round: int = 1
+    handle: StudyHandle, item_ids: Iterable[str] | None = None, volunteer: str | None = None, *, round: int = 1
 ) -> tuple[Vote, ...]:
     """The votes that count, in the order of voting; of all items or some, of all volunteers or one."""
     query = select(schema.current_vote).where(_current.round == round)
@@ -182,12 +197,12 @@ def current_votes(
     return tuple(_vote(row) for row in rows if wanted is None or row.item_id in wanted)
 
 
-def answers(handle: StudyFile, volunteer_code: str, *, round: int = 1) -> dict[str, str]:
+def answers(handle: StudyHandle, volunteer_code: str, *, round: int = 1) -> dict[str, str]:
     """One volunteer's current answers by item."""
     return {vote.item_id: vote.answer for vote in current_votes(handle, volunteer=volunteer_code, round=round)}
 
 
-def majority(handle: StudyFile, *, round: int = 1) -> dict[str, Majority]:
+def majority(handle: StudyHandle, *, round: int = 1) -> dict[str, Majority]:
     """The majority of every item of the study, for the researcher."""
     with handle.reading() as connection:
         ids = connection.scalars(select(schema.item.c.id).order_by(schema.item.c.id)).all()
@@ -201,13 +216,19 @@ def _volunteer(connection: Connection, code: str) -> Volunteer:
         seed = _draw(str(connection.scalar(select(schema.study.c.seed))), "volunteer", code)
         connection.execute(insert(schema.volunteer).values(code=code, seed=seed, created_at=now()))
         return Volunteer(code, seed)
-    return Volunteer(found.code, found.seed)
+    return _voter(found)
+
+
+def _voter(row: Row[Any]) -> Volunteer:
+    return Volunteer(row.code, row.seed, bool(row.adjudicates))
 
 
 def _vote_on(connection: Connection, item_id: str, code: str, answer: str, *, round: int, **values: Any) -> Vote:
     """Add a vote that supersedes the volunteer's present one, if there is one."""
     if answer not in ANSWERS:
         raise BadParameter(f"{answer!r} is no answer; choose one of {', '.join(ANSWERS)}.")
+    if answer == "unsure" and not connection.scalar(select(schema.study.c.unsure)):
+        raise BadParameter("This study takes no answer 'unsure'; choose correct or wrong.")
     if connection.scalar(select(schema.item.c.id).where(schema.item.c.id == item_id)) is None:
         raise BadInput(f"The study has no item {item_id}; add its result first.")
     mine = (_current.item_id == item_id, _current.volunteer == code, _current.round == round)

@@ -26,13 +26,13 @@ class Snapshot(NamedTuple):
     verdicts: Mapping[str, str]
 
 
-def read_snapshot(handle: study.StudyFile, code: str) -> Snapshot:
+def read_snapshot(handle: study.StudyHandle, code: str) -> Snapshot:
     """The volunteer's own answers and the majorities, by match id."""
     verdicts = {i: m.verdict for i, m in study.majority(handle).items() if m.verdict != "unjudged"}
     return Snapshot(study.answers(handle, code), verdicts)
 
 
-def opened(path: Path, create: bool) -> study.StudyFile:
+def opened(path: Path, create: bool) -> study.StudyHandle:
     """Open a study file; `create` makes it if it is missing."""
     if create and not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -51,7 +51,7 @@ class Judging(QObject):
     def __init__(self, session: Session, jobs: Jobs, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self.session, self.jobs = session, jobs
-        self.handle: study.StudyFile | None = None
+        self.handle: study.StudyHandle | None = None
         self.saving = self.advancing = False
         self._enrolled: set[int] = set()
         self._kept: list[MatchResult] = []
@@ -64,11 +64,11 @@ class Judging(QObject):
         wanted, code = Path(path) if path else default_study(), self.session.state.volunteer
         make = create or path is None
 
-        def work(_: Any) -> tuple[study.StudyFile, Snapshot]:
+        def work(_: Any) -> tuple[study.StudyHandle, Snapshot]:
             handle = opened(wanted, make)
             return handle, read_snapshot(handle, code)
 
-        def done(answer: tuple[study.StudyFile, Snapshot]) -> None:
+        def done(answer: tuple[study.StudyHandle, Snapshot]) -> None:
             before, (self.handle, snapshot) = self.handle, answer
             if before is not None:
                 before.close()
@@ -90,7 +90,7 @@ class Judging(QObject):
             return
         shown = int((time.monotonic() - self._since) * 1000)
 
-        def work(handle: study.StudyFile) -> None:
+        def work(handle: study.StudyHandle) -> None:
             self._enrol(handle, result, state.set_name)
             study.record_vote(handle, match_id, state.volunteer, answer, shown_ms=shown)
 
@@ -124,7 +124,7 @@ class Judging(QObject):
         """Commit an answer on an item that is already in the study (the voting page), then call `done`."""
         code = self.session.state.volunteer
 
-        def work(handle: study.StudyFile) -> None:
+        def work(handle: study.StudyHandle) -> None:
             study.record_vote(handle, item_id, code, answer, comment=comment, shown_ms=shown_ms, presentation=presentation)
 
         self.commit(work, lambda _: done())
@@ -134,7 +134,7 @@ class Judging(QObject):
         code = self.session.state.volunteer
         self.commit(lambda handle: study.undo_vote(handle, code), done)
 
-    def ask(self, question: Callable[[study.StudyFile], Any], done: Callable[[Any], None]) -> None:
+    def ask(self, question: Callable[[study.StudyHandle], Any], done: Callable[[Any], None]) -> None:
         """Read something from the study in the worker."""
         handle = self.handle
         if handle is not None:
@@ -152,7 +152,7 @@ class Judging(QObject):
             self.handle.close()
             self.handle = None
 
-    def commit(self, work: Callable[[study.StudyFile], Any], after: Callable[[Any], None]) -> None:
+    def commit(self, work: Callable[[study.StudyHandle], Any], after: Callable[[Any], None]) -> None:
         """Write something to the study in the worker; when it is on the disk, read the votes and call `after`."""
         handle, code = self.handle, self.session.state.volunteer
         if handle is None:
@@ -176,7 +176,7 @@ class Judging(QObject):
         self.saving = False
         self.failed.emit(sentence, details)
 
-    def _enrol(self, handle: study.StudyFile, result: MatchResult, set_name: str) -> None:
+    def _enrol(self, handle: study.StudyHandle, result: MatchResult, set_name: str) -> None:
         if id(result) not in self._enrolled:
             study.add_result(handle, result, set_name=set_name)
             self._enrolled.add(id(result))

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from annotation import study
-from annotation.study import Item, StudyFile, Volunteer, VotingProgress
+from annotation.study import Item, StudyHandle, Volunteer, VotingProgress
 from engine.errors import BadInput, ConcordError
 from engine.shapes.identity import match_id, mesh_id, node_id, segment_ids
 from engine.shapes.segmentation import SegmentedShape
@@ -115,7 +115,7 @@ def question_of(item: Item, swapped: bool, near: Path, kept: Shapes) -> Question
     raise BadInput(f"The labels of {names} are not those that were matched; put back the label files.")
 
 
-def ask_next(handle: StudyFile, code: str, skipped: Collection[str], kept: Shapes, again: str = "") -> Asked:
+def ask_next(handle: StudyHandle, code: str, skipped: Collection[str], kept: Shapes, again: str = "") -> Asked:
     """The next question that can be shown, or that about the item `again`."""
     about, voter = study.about(handle), study.volunteer(handle, code)
     given = study.answers(handle, code)
@@ -123,7 +123,7 @@ def ask_next(handle: StudyFile, code: str, skipped: Collection[str], kept: Shape
     missing: list[str] = []
     for item_id in sorted(order, key=lambda item_id: item_id in skipped):
         try:
-            question = shown_as(study.item(handle, item_id), voter, Path(handle.path).parent, kept)
+            question = shown_as(study.item(handle, item_id), voter, handle.folder or Path(), kept)
         except ConcordError as error:
             missing.append(str(error))
             continue

@@ -157,7 +157,7 @@ def test_a_file_that_vanishes_takes_no_vote_with_it(path, fate):
 def test_a_failed_block_leaves_nothing(path):
     def half_done(handle):
         with handle.writing() as connection:
-            connection.exec_driver_sql("INSERT INTO volunteer VALUES ('carl', '', '')")
+            connection.exec_driver_sql("INSERT INTO volunteer VALUES ('carl', '', '', 0)")
             raise ZeroDivisionError
 
     with study.open_study(path) as handle:
@@ -225,23 +225,27 @@ def test_a_backup_that_cannot_be_made_does_not_stop_the_work(path):
     assert vote_count(path) == 2
 
 
+def newer_schema(monkeypatch, *statements: str) -> None:
+    monkeypatch.setattr(schema, "MIGRATIONS", {**schema.MIGRATIONS, schema.SCHEMA_VERSION: statements})
+    monkeypatch.setattr(schema, "SCHEMA_VERSION", schema.SCHEMA_VERSION + 1)
+
+
 def test_an_older_file_is_backed_up_and_migrated_once(path, monkeypatch):
-    monkeypatch.setattr(schema, "SCHEMA_VERSION", 2)
-    monkeypatch.setattr(schema, "MIGRATIONS", {1: ("ALTER TABLE item ADD COLUMN gold TEXT",)})
+    was = schema.SCHEMA_VERSION
+    newer_schema(monkeypatch, "ALTER TABLE item ADD COLUMN gold TEXT")
     for _ in range(2):
         with study.open_study(path) as handle:
             assert study.answers(handle, "anna") == {FOOT: "correct"}
             with handle.reading() as connection:
                 assert connection.exec_driver_sql("SELECT count(gold) FROM item").scalar() == 0
-    (old,) = path.with_name("backups").glob("lamps.db.version-1.*")
+    (old,) = path.with_name("backups").glob(f"lamps.db.version-{was}.*")
     with contextlib.closing(sqlite3.connect(old)) as raw:
-        assert raw.execute("PRAGMA user_version").fetchone() == (1,)
+        assert raw.execute("PRAGMA user_version").fetchone() == (was,)
     assert vote_count(old) == 1
 
 
 def test_a_migration_that_fails_changes_nothing(path, monkeypatch):
-    monkeypatch.setattr(schema, "SCHEMA_VERSION", 2)
-    monkeypatch.setattr(schema, "MIGRATIONS", {1: ("ALTER TABLE item ADD COLUMN gold TEXT", "nonsense")})
+    newer_schema(monkeypatch, "ALTER TABLE item ADD COLUMN gold TEXT", "nonsense")
     with pytest.raises(BadInput):
         study.open_study(path)
     monkeypatch.undo()

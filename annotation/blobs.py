@@ -1,0 +1,72 @@
+"""The shapes that items show, kept in the study: it can be judged where its meshes are not."""
+
+import io
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from sqlalchemy import insert, select
+
+from . import schema
+from .handle import StudyHandle
+
+if TYPE_CHECKING:
+    from engine.shapes.segmentation import SegmentedShape
+
+
+def shape_key(side: Mapping[str, Any]) -> str:
+    """The key of the shape that one side of an item shows: its mesh and how that was cut up (where that is known)."""
+    return f"{side['sha256']}:{side.get('segmentation', '')}"
+
+
+def keep_shapes(handle: StudyHandle, shapes: Iterable["SegmentedShape"]) -> int:
+    """Put shapes into the study; those that are there stay. Returns how many were new."""
+    found = {_key(shape): shape for shape in shapes}
+    with handle.reading() as connection:
+        known = set(connection.scalars(select(schema.blob.c.key).where(schema.blob.c.key.in_(found))))
+    rows = [{"key": key, "content": _packed(shape)} for key, shape in found.items() if key not in known]
+    if not rows:
+        return 0
+    with handle.writing() as connection:
+        known = set(connection.scalars(select(schema.blob.c.key).where(schema.blob.c.key.in_(found))))
+        rows = [row for row in rows if row["key"] not in known]
+        if rows:
+            connection.execute(insert(schema.blob), rows)
+    return len(rows)
+
+
+def kept_shapes(handle: StudyHandle, side: Mapping[str, Any]) -> tuple["SegmentedShape", ...]:
+    """The shapes in the study that one side of an item may mean: that of its key, or else all of its mesh."""
+    key, of_mesh = schema.blob.c.key, f"{side['sha256']}:"
+    wanted = key == shape_key(side) if side.get("segmentation") else key.startswith(of_mesh, autoescape=True)
+    with handle.reading() as connection:
+        rows = connection.scalars(select(schema.blob.c.content).where(wanted).order_by(key)).all()
+    return tuple(_unpacked(bytes(row)) for row in rows)
+
+
+def _key(shape: "SegmentedShape") -> str:
+    from engine.shapes.identity import mesh_id, node_id, segment_ids
+
+    whole = node_id(segment_ids(shape.mesh, shape.segmentation))
+    return shape_key({"sha256": mesh_id(shape.mesh), "segmentation": whole})
+
+
+def _packed(shape: "SegmentedShape") -> bytes:
+    """A shape as compressed arrays; the names of its segments as texts beside whether each is a number."""
+    out, names = io.BytesIO(), shape.segmentation.names
+    np.savez_compressed(
+        out, vertices=shape.mesh.vertices, faces=shape.mesh.faces, labels=shape.segmentation.labels,
+        names=np.array([str(name) for name in names]), numbers=np.array([isinstance(name, int) for name in names]),
+    )  # fmt: skip
+    return out.getvalue()
+
+
+def _unpacked(content: bytes) -> "SegmentedShape":
+    from engine.shapes.mesh import Mesh
+    from engine.shapes.segmentation import Segmentation, SegmentedShape
+
+    with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+        pairs = zip(arrays["names"].tolist(), arrays["numbers"].tolist(), strict=True)
+        names = tuple(int(name) if number else name for name, number in pairs)
+        mesh = Mesh(arrays["vertices"], arrays["faces"], "shape")
+        return SegmentedShape(mesh, Segmentation(arrays["labels"], names))

@@ -1,0 +1,40 @@
+"""Shapes in a study: they come back as they were, and are known by what the items say of them."""
+
+import numpy as np
+import pytest
+from judging_world import study_of
+
+from annotation.blobs import keep_shapes, kept_shapes, shape_key
+from engine.shapes.identity import mesh_id, node_id, segment_ids
+from engine.shapes.mesh import Mesh
+from engine.shapes.segmentation import Segmentation, SegmentedShape
+
+
+@pytest.fixture
+def shape():
+    vertices = np.random.default_rng(3).normal(size=(5, 3))
+    return SegmentedShape(Mesh(vertices, [[0, 1, 2], [1, 2, 3], [2, 3, 4]]), Segmentation([0, 1, 0], (7, "seat")))
+
+
+def side(shape, segmentation=True):
+    found = {"sha256": mesh_id(shape.mesh)}
+    whole = node_id(segment_ids(shape.mesh, shape.segmentation))
+    return found | {"segmentation": whole} if segmentation else found
+
+
+def test_a_shape_comes_back_with_the_same_segments(tmp_path, shape):
+    with study_of(tmp_path / "a.db") as handle:
+        assert [keep_shapes(handle, [shape, shape]), keep_shapes(handle, [shape])] == [1, 0]
+        (found,) = kept_shapes(handle, side(shape))
+    assert segment_ids(found.mesh, found.segmentation) == segment_ids(shape.mesh, shape.segmentation)
+    assert found.segmentation.names == (7, "seat")
+
+
+def test_without_a_hash_of_the_segments_all_of_the_mesh_are_candidates(tmp_path, shape):
+    other = SegmentedShape(shape.mesh, Segmentation([0, 0, 1], (0, 1)))
+    with study_of(tmp_path / "a.db") as handle:
+        keep_shapes(handle, [shape, other])
+        assert len(kept_shapes(handle, side(shape, segmentation=False))) == 2
+        assert len(kept_shapes(handle, side(shape))) == 1
+        assert kept_shapes(handle, {"sha256": "0" * 64}) == ()
+    assert shape_key(side(shape)) != shape_key(side(other))

@@ -1,29 +1,41 @@
 """Precision from majority votes: one row for each method, preset and set.
 
-A match counts as right or wrong by its majority; ties and matches without a decisive vote are unresolved: they are
-in no precision, and the bounds say what they could make of it. The unit of sampling is the pair of inputs, or the puzzle.
+A match counts as right or wrong by its majority; ties and matches without a decisive vote are undecided: they are
+in no precision, and the bounds say what they could make of it. Matches that nobody has seen are unknown, never wrong.
+Where items were drawn into a sample, each counts as many as it stands for, 1 / p with p its probability of being drawn
+(Hájek 1971); those that were not drawn are in no figure but the counts. The unit of sampling is the pair of inputs, or
+the puzzle. Practice votes are of round 0 and never count.
 """
 
+import json
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import PurePath
 from typing import NamedTuple
 
 from sqlalchemy import func, select
 
-from engine.evaluation.intervals import Interval, clustered_interval
+from engine.evaluation.intervals import Interval, clustered_interval, weighted_interval
 
 from . import schema
 from .handle import StudyHandle
-from .majority import Majority, majorities
+from .majority import Majority, majority_of
 
 ALL_SETS = "(all)"
+GUIDED = "(guided)"
 
 
 class PrecisionRow(NamedTuple):
     """Figures of one method and preset on one set; shares lie in [0, 1], None where nothing is decided.
 
     `matches` = `correct` + `wrong` + `tie` + `unjudged`; `judged` leaves out the last. `micro` is correct / (correct +
-    wrong), `macro` its mean over the pairs that have a decided match; `bound_low`, `bound_high` take all unresolved
-    matches as wrong, as right. `unsure` is the share of abstentions among the votes.
+    wrong), `macro` its mean over the pairs that have a decided match; `bound_low`, `bound_high` take all undecided
+    matches as wrong, as right. `unsure` is the share of abstentions among the votes. `seen` counts the matches that have
+    a vote at all, `unresolved` is the share of these without a majority.
+
+    Where the study is a sample (`sampled`), shares are weighted and the bounds speak of the `drawn` matches; else all are
+    drawn. `recall` is the pooled one: correct matches of this method among the distinct correct ones of all methods, on
+    the `recall_pairs` pairs on which several methods ran and every proposal of each has been seen. `chosen` says that
+    votes or a truth had a part in the parameters (or that people guided the run).
     """
 
     method: str
@@ -45,10 +57,17 @@ class PrecisionRow(NamedTuple):
     volunteers: int
     votes: int
     unsure: float | None
+    seen: int = 0
+    unresolved: float | None = None
+    drawn: int = 0
+    sampled: bool = False
+    recall: float | None = None
+    recall_pairs: int = 0
+    chosen: bool = False
 
 
 class Proposed(NamedTuple):
-    """The items that the newest run of a method, preset and set proposed for one pair."""
+    """The items that the newest run of a method, preset and set proposed for one pair; `name` is for people."""
 
     method: str
     preset: str
@@ -56,6 +75,7 @@ class Proposed(NamedTuple):
     pair: str
     parameters: str
     items: tuple[str, ...]
+    name: str = ""
 
 
 class Ballot(NamedTuple):
@@ -66,9 +86,20 @@ class Ballot(NamedTuple):
     answer: str
 
 
+class Cast(NamedTuple):
+    """The votes on one item: what most said, and who voted."""
+
+    majority: Majority
+    voters: frozenset[str]
+
+
+Weights = Mapping[str, float]
+"""What each drawn item stands for, 1 / p; items that are not in it were not drawn."""
+
+
 def precision_table(handle: StudyHandle, *, round: int = 1) -> tuple[PrecisionRow, ...]:
     """The rows of a study by method, preset and set, and a row over all sets where a method has several."""
-    return tabulate(proposed(handle), ballots(handle, round=round))
+    return tabulate(proposed(handle), ballots(handle, round=round), sample(handle))
 
 
 def proposed(handle: StudyHandle) -> tuple[Proposed, ...]:
@@ -77,15 +108,18 @@ def proposed(handle: StudyHandle) -> tuple[Proposed, ...]:
     group = (run.method, run.preset, run.set_name, run.pair)
     newest = func.row_number().over(partition_by=group, order_by=(run.added_at.desc(), run.id.desc())).label("age")
     with handle.reading() as connection:
-        runs = connection.execute(select(run.id, *group, run.parameters, newest).order_by(*group)).all()
+        runs = connection.execute(
+            select(run.id, *group, run.parameters, run.source, run.target, newest).order_by(*group)
+        ).all()
         items: dict[str, list[str]] = {}
         for row in connection.execute(select(match.run_id, match.item_id).order_by(match.run_id, match.rank)):
             items.setdefault(row.run_id, []).append(row.item_id)
     return tuple(
-        Proposed(row.method, row.preset, row.set_name, row.pair, row.parameters, tuple(items.get(row.id, ())))
+        Proposed(row.method, row.preset, row.set_name, row.pair, row.parameters, tuple(items.get(row.id, ())),
+                 _pair_name(row.source, row.target))
         for row in runs
         if row.age == 1
-    )
+    )  # fmt: skip
 
 
 def ballots(handle: StudyHandle, *, round: int = 1) -> tuple[Ballot, ...]:
@@ -96,56 +130,153 @@ def ballots(handle: StudyHandle, *, round: int = 1) -> tuple[Ballot, ...]:
         return tuple(Ballot(*row) for row in rows)
 
 
-def tabulate(results: Iterable[Proposed], votes: Sequence[Ballot]) -> tuple[PrecisionRow, ...]:
-    """The rows of results under votes; pure."""
-    groups: dict[tuple[str, str], dict[str, list[Proposed]]] = {}
-    for result in results:
-        groups.setdefault((result.method, result.preset), {}).setdefault(result.set_name, []).append(result)
+def sample(handle: StudyHandle) -> dict[str, float] | None:
+    """What each drawn item stands for; None where nothing was left out, so that every match counts alike."""
+    asked = schema.asked.c
+    with handle.reading() as connection:
+        rows = connection.execute(select(asked.item_id, asked.probability).where(asked.probability.is_not(None))).all()
+    return {row.item_id: 1 / row.probability for row in rows} if any(row.probability < 1 for row in rows) else None
+
+
+def counted(votes: Iterable[Ballot]) -> dict[str, Cast]:
+    """The votes by item; items without a vote are not in it."""
+    answers: dict[str, list[str]] = {}
+    voters: dict[str, set[str]] = {}
+    for item, volunteer, answer in votes:
+        answers.setdefault(item, []).append(answer)
+        voters.setdefault(item, set()).add(volunteer)
+    return {item: Cast(majority_of(given), frozenset(voters[item])) for item, given in answers.items()}
+
+
+def tabulate(
+    results: Iterable[Proposed],
+    votes: Sequence[Ballot] | Mapping[str, Cast],
+    weights: Weights | None = None,
+    chosen: Iterable[str] = (),
+) -> tuple[PrecisionRow, ...]:
+    """The rows of results under votes; pure. Methods or presets named in `chosen` have chosen parameters."""
+    results, named = tuple(results), frozenset(chosen)
+    cast = votes if isinstance(votes, Mapping) else counted(votes)
+    pool = judged_pool(results, cast)
     rows = []
-    for (method, preset), sets in sorted(groups.items()):
-        rows += [precision_row(method, preset, name, found, votes) for name, found in sorted(sets.items())]
+    for (method, preset), sets in sorted(grouped(results).items()):
+        told = method.endswith(GUIDED) or not named.isdisjoint((method, preset))
+        groups = sorted(sets.items())
         if len(sets) > 1:
-            every = [result for found in sets.values() for result in found]
-            rows.append(precision_row(method, preset, ALL_SETS, every, votes))
+            groups.append((ALL_SETS, [result for found in sets.values() for result in found]))
+        rows += [_row(method, preset, name, found, cast, weights, pool)._replace(chosen=told) for name, found in groups]
     return tuple(rows)
 
 
-def precision_row(
-    method: str, preset: str, set_name: str, results: Sequence[Proposed], votes: Sequence[Ballot]
-) -> PrecisionRow:
-    """One row; a pair that is in several sets counts once."""
+def grouped(results: Iterable[Proposed]) -> dict[tuple[str, str], dict[str, list[Proposed]]]:
+    """Results by method and preset, then by set."""
+    groups: dict[tuple[str, str], dict[str, list[Proposed]]] = {}
+    for result in results:
+        groups.setdefault((result.method, result.preset), {}).setdefault(result.set_name, []).append(result)
+    return groups
+
+
+def items_by_pair(results: Iterable[Proposed]) -> dict[str, set[str]]:
+    """The items of each pair; a pair that is in several sets counts once."""
     pairs: dict[str, set[str]] = {}
     for result in results:
         pairs.setdefault(result.pair, set()).update(result.items)
-    items = set[str]().union(*pairs.values())
-    cast = [vote for vote in votes if vote.item in items]
-    verdicts = majorities(items, ((vote.item, vote.answer) for vote in cast))
-    count = {
-        name: sum(m.verdict == name for m in verdicts.values()) for name in ("correct", "wrong", "tie", "unjudged")
+    return pairs
+
+
+def judged_pool(results: Iterable[Proposed], cast: Mapping[str, Cast]) -> dict[str, set[str]]:
+    """The distinct correct items of all methods on each pair where several ran and all their proposals have been seen."""
+    items: dict[str, set[str]] = {}
+    methods: dict[str, set[tuple[str, str]]] = {}
+    for result in results:
+        items.setdefault(result.pair, set()).update(result.items)
+        methods.setdefault(result.pair, set()).add((result.method, result.preset))
+    return {
+        pair: {item for item in found if cast[item].majority.verdict == "correct"}
+        for pair, found in items.items()
+        if len(methods[pair]) > 1 and all(item in cast for item in found)
     }
-    correct, decided = _by_pair(pairs.values(), verdicts)
-    shares = [k / n for k, n in zip(correct, decided, strict=True) if n]
-    m, unresolved = len(items), count["tie"] + count["unjudged"]
+
+
+def _row(
+    method: str, preset: str, set_name: str, results: Sequence[Proposed], cast: Mapping[str, Cast],
+    weights: Weights | None, pool: Mapping[str, set[str]],
+) -> PrecisionRow:  # fmt: skip
+    pairs = items_by_pair(results)
+    items = set[str]().union(*pairs.values())
+    drawn = items if weights is None else items & weights.keys()
+    seen = [cast[item] for item in items if item in cast]
+    count = dict.fromkeys(("correct", "wrong", "tie", "unjudged"), 0)
+    for one in seen:
+        count[one.majority.verdict] += 1
+    decided, m = count["correct"] + count["wrong"], len(items)
+    count["unjudged"] += m - len(seen)
+    shares = by_pair(pairs.values(), cast, weights)
+    known = [s.correct / s.decided for s in shares if s.decided]
+    abstained, votes = sum(one.majority.unsure for one in seen), sum(len(one.voters) for one in seen)
+    right, every = sum(s.correct for s in shares), sum(s.decided for s in shares)
+    weight = sum(_weights(drawn, weights))
+    wrong = every - right
+    found = [pair for pair in pairs if pair in pool]
     return PrecisionRow(
         method, preset, set_name, len({result.parameters for result in results}), len(pairs), m, m - count["unjudged"],
         **count,
-        micro=_share(count["correct"], count["correct"] + count["wrong"]),
-        macro=_share(sum(shares), len(shares)),
-        interval=clustered_interval(correct, decided),
-        bound_low=_share(count["correct"], m),
-        bound_high=_share(count["correct"] + unresolved, m),
-        volunteers=len({vote.volunteer for vote in cast}),
-        votes=len(cast),
-        unsure=_share(sum(vote.answer == "unsure" for vote in cast), len(cast)),
+        micro=_share(right, every), macro=_share(sum(known), len(known)), interval=interval_of(shares),
+        bound_low=_share(right, weight), bound_high=_share(weight - wrong, weight),
+        volunteers=len(frozenset[str]().union(*(one.voters for one in seen))), votes=votes,
+        unsure=_share(abstained, votes), seen=len(seen), unresolved=_share(len(seen) - decided, len(seen)),
+        drawn=len(drawn), sampled=weights is not None,
+        recall=_share(sum(len(pool[pair] & pairs[pair]) for pair in found), sum(len(pool[pair]) for pair in found)),
+        recall_pairs=len(found),
     )  # fmt: skip
 
 
-def _by_pair(pairs: Iterable[set[str]], verdicts: Mapping[str, Majority]) -> tuple[list[int], list[int]]:
-    """How many matches of each pair are correct, and how many are decided."""
-    given = [[verdicts[item].verdict for item in items] for items in pairs]
-    correct = [verdict.count("correct") for verdict in given]
-    return correct, [k + verdict.count("wrong") for k, verdict in zip(correct, given, strict=True)]
+class PairShare(NamedTuple):
+    """Amounts of correct and of decided items of one pair, and the sum of the squared weights of the latter."""
+
+    correct: float
+    decided: float
+    squares: float
 
 
-def _share(part: float, whole: int) -> float | None:
+def by_pair(pairs: Iterable[Iterable[str]], cast: Mapping[str, Cast], weights: Weights | None) -> list[PairShare]:
+    """What is decided of each pair, each drawn item by its weight."""
+    found = []
+    for items in pairs:
+        correct = decided = squares = 0.0
+        for item in items:
+            verdict = cast[item].majority.verdict if item in cast else "unjudged"
+            weight = 1.0 if weights is None else weights.get(item, 0.0)
+            if verdict in ("correct", "wrong"):
+                correct += weight * (verdict == "correct")
+                decided += weight
+                squares += weight * weight
+        found.append(PairShare(correct, decided, squares))
+    return found
+
+
+def interval_of(shares: Sequence[PairShare]) -> Interval | None:
+    """The interval of the pooled share: of whole counts where all weights are equal, else of weighted amounts."""
+    some = [s for s in shares if s.decided]
+    total, squares = sum(s.decided for s in some), sum(s.squares for s in some)
+    unit = squares / total if some else 1.0  # the common weight, if there is one
+    n = [s.decided / unit for s in some]
+    whole = all(abs(k - round(k)) < 1e-9 and abs(s.squares / unit - s.decided) < 1e-9 * s.decided
+                for k, s in zip(n, some, strict=True))  # fmt: skip
+    if whole:
+        return clustered_interval([round(s.correct / unit) for s in some], [round(k) for k in n])
+    return weighted_interval([s.correct for s in some], [s.decided for s in some], [s.squares for s in some])
+
+
+def _weights(items: Iterable[str], weights: Weights | None) -> list[float]:
+    return [1.0 if weights is None else weights[item] for item in items]
+
+
+def _share(part: float, whole: float) -> float | None:
     return part / whole if whole else None
+
+
+def _pair_name(source: str, target: str) -> str:
+    """The files of the two inputs, or of the one puzzle, without their folders."""
+    files = (json.loads(side).get("file", "") for side in (source, target))
+    return " – ".join(PurePath(file).name for file in files if file)

@@ -58,6 +58,31 @@ def ratio_interval(parts: object, wholes: object, confidence: float = 0.95) -> I
     return cluster_robust(k, n, confidence)
 
 
+def weighted_interval(parts: object, wholes: object, squares: object, confidence: float = 0.95) -> Interval | None:
+    """The interval of sum(parts) / sum(wholes) for sums of unequal weights, one entry a cluster; None without a trial.
+
+    `squares` (G,) are the sums of the squared weights of the trials. The general case is that of `ratio_interval`; where
+    it says nothing, the trials count as their effective number (Kish 1965), (sum of weights)² / sum of squared weights:
+    Clopper-Pearson at a share of 0 or 1, Wilson's with one cluster or clusters of equal shares.
+    """
+    n = frozen_array(wholes, np.float64, (None,), "The wholes")
+    k = frozen_array(parts, np.float64, n.shape, "The parts")
+    q = frozen_array(squares, np.float64, n.shape, "The squares")
+    clusters = int((n > 0).sum())
+    if clusters == 0:
+        return None
+    found = ratio_interval(k, n, confidence)
+    if found is not None:
+        return found._replace(method="cluster-robust GLM, t, weighted")
+    share, effective = float(k.sum() / n.sum()), float(n.sum() ** 2 / q.sum())
+    if clusters > 1 and share in (0.0, 1.0):
+        found = clopper_pearson(share * effective, effective, clusters, confidence)
+    else:
+        found = wilson(share * effective, effective, confidence)
+    name = ONE_CLUSTER if clusters == 1 else f"{found.method}, equal pairs" if 0 < share < 1 else found.method
+    return found._replace(method=f"{name}, weighted")
+
+
 def cluster_robust(k: np.ndarray, n: np.ndarray, confidence: float = 0.95) -> Interval:
     """Binomial GLM with only a constant, sandwich covariance over clusters, t with G - 1 degrees, back-transformed.
 
@@ -89,8 +114,8 @@ def clopper_pearson(k: float, n: float, clusters: int, confidence: float = 0.95)
     return Interval(low, high, "Clopper-Pearson, adjusted n")
 
 
-def wilson(k: int, n: int, confidence: float = 0.95) -> Interval:
-    """Wilson's score interval of k of n independent trials (JASA 22, 1927)."""
+def wilson(k: float, n: float, confidence: float = 0.95) -> Interval:
+    """Wilson's score interval of k of n independent trials (JASA 22, 1927); n may be an effective number."""
     from scipy.special import ndtri
 
     z = ndtri((1 + confidence) / 2)

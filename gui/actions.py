@@ -128,7 +128,7 @@ TABLE = (
            pages=PUZZLE),
     Action("truth", "&Puzzle", "&Compare with the truth", ("T",), "", lambda w: w.puzzle.page.toggle_truth(), pages=PUZZLE),
     Action("new-study", "&Study", "&New study…", ("Ctrl+N",), "", lambda w: w.files.new_study()),
-    Action("open-study", "&Study", "&Open study…", ("Ctrl+Shift+O",), "", lambda w: w.files.open_study()),
+    Action("open-study", "&Study", "&Open study…", ("Ctrl+Shift+O",), "", lambda w: w.studies.open_study()),
     Action("own-study", "&Study", "My own &votes", (), "", lambda w: w.judging.open()),
     Action("enrol", "&Study", "&Add these matches to the study", (), "", lambda w: w.enrol()),
     Action("volunteer", "&Study", "&Who is voting…", (), "", lambda w: w.files.name_volunteer()),

@@ -92,6 +92,7 @@ class MainWindow(QMainWindow):
         from .pages.segment_desk import SegmentDesk
         from .pages.shapes import ShapesPage
         from .pages.study import StudyPage
+        from .pages.study_desk import StudyDesk
         from .pages.wishing import WishFiles, Wishing
         from .session import Session, State
 
@@ -102,7 +103,8 @@ class MainWindow(QMainWindow):
         self.wishing, self.wish_files = Wishing(self.session, self.judging, self), WishFiles(self)
         self.shapes = ShapesPage(self.session, self.matching, self.judging, self)
         self.study = StudyPage(self.session, self.judging, self)
-        self.results = ResultsPage(self.session, self.judging, self)
+        self.studies = StudyDesk(self)
+        self.results = ResultsPage(self.session, self.judging, self.studies.jobs, self)
         self.puzzle = PuzzleDesk(self)
         self.collection = CollectionDesk(self)
         self.segments = SegmentDesk(self)
@@ -126,6 +128,7 @@ class MainWindow(QMainWindow):
     def _connect(self) -> None:
         self.session.changed.connect(self._changed)
         self.judging.failed.connect(self.say)
+        self.results.said.connect(self.status.text.setText)
         self.shapes.view.files_dropped.connect(self.files.drop)
         self.shapes.automatic.numbered.connect(self.automatic.number)
         self.shapes.automatic.edited.connect(self.segments.edit)
@@ -266,6 +269,8 @@ class MainWindow(QMainWindow):
             self.collection.stopped()
             self.shapes.show_automatic()
             self.status.text.setText("Stopped.")
+        elif self.studies.jobs.busy():
+            self.studies.stop()
         elif not self.rail.isVisible():
             self.toggle_alone()
         elif self.page == "segments":
@@ -417,6 +422,7 @@ class MainWindow(QMainWindow):
             return
         self.jobs.close()
         if self.furnished:
+            self.studies.close()
             self.judging.close()
             for page in self.pages.values():
                 page.shutdown()

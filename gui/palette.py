@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from PySide6.QtWidgets import QApplication
 
 CORRECT, WRONG, UNDECIDED, TIE = "#0072B2", "#D55E00", "#8A8F98", "#A0569A"
+SERIES = ("#2F8F7F", "#C98A00", "#7A6FD0", "#B8567F", "#5B8C2A", "#4A9CC9", "#8A8F98", "#A5673F")  # methods in plots; beside a symbol
 
 # The segment table keeps away from papers and judgements; a prefix of it is as spread as it can be:
 # glasbey.extend_palette(RESERVED, palette_size=261, grid_size=32, lightness_bounds=(45, 80), chroma_bounds=(20, 44),

@@ -44,7 +44,7 @@ def _take(out: Path, dark: bool) -> list[Path]:
 
     def rest(seconds: float = 0.6) -> None:
         end = time.monotonic() + seconds
-        wait(lambda: time.monotonic() > end and not window.study_jobs.busy() and not window.jobs.busy())
+        wait(lambda: time.monotonic() > end and not any(j.busy() for j in (window.study_jobs, window.jobs, window.studies.jobs)))
 
     def shot(name: str) -> None:
         rest()

@@ -164,12 +164,6 @@ class Files(QObject):
         if path:
             self.window.judging.open(path if Path(path).suffix else path + ".db", create=True)
 
-    def open_study(self) -> None:
-        """Ask for a study file and open it."""
-        path, _ = QFileDialog.getOpenFileName(self.window, "Open study", str(data_folder()), STUDIES + ";;All files (*)")
-        if path:
-            self.window.judging.open(path)
-
     def name_volunteer(self) -> None:
         """Ask for the code of who votes."""
         from .judging import checked_code

@@ -1,211 +1,152 @@
-"""The page of results: precision of each method and set by the votes of the open study, with intervals."""
+"""The page of results: one choice at the top, and below it what the votes of the open study say of that."""
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
-from PySide6.QtCore import QModelIndex, QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QPainter, QPen
-from PySide6.QtWidgets import (
-    QAbstractItemView,
-    QFileDialog,
-    QHBoxLayout,
-    QHeaderView,
-    QLabel,
-    QPushButton,
-    QStyledItemDelegate,
-    QStyleOptionViewItem,
-    QTableWidget,
-    QTableWidgetItem,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QLabel, QMenu, QPushButton, QStackedWidget, QVBoxLayout, QWidget
 
-from annotation.precision import Ballot, PrecisionRow, ballots, precision_table
-from annotation.tabletext import agreement_line, render
+from annotation.study import StudyHandle
+from annotation.tabletext import render
 from engine.errors import ConcordError
 from engine.store import write_atomically
 
-from ..palette import theme
+from ..jobs import FOLLOW, Jobs
 from ..session import Session, State
-from .arrange import share_text
+from .choice_bar import ChoiceBar
+from .elided import ElidedLabel
 from .judging import Judging
+from .results_precision import PrecisionSection
 
-HEADS = ("method", "preset", "set", "pairs", "judged", "✓", "✗", "tie", "precision", "95 % interval", "volunteers")
-_TIPS = {
-    "preset": "The preset of shapes, the measure of puzzles", "pairs": "Pairs of shapes, or puzzles",
-    "judged": "Matches with a vote for or against, of all matches", "✓": "Correct by majority", "✗": "Wrong by majority",
-    "tie": "As many for as against; a tie stays a tie", "precision": "Correct of those decided",
-    "95 % interval": "The pair, or the puzzle, is the unit of sampling; the paler line takes all undecided ones as wrong or right",
-}  # fmt: skip
-_ROW = Qt.ItemDataRole.UserRole
-
-
-class Table(NamedTuple):
-    """The rows and the votes that they come from."""
-
-    rows: tuple[PrecisionRow, ...]
-    votes: tuple[Ballot, ...]
-
-
-def cells(row: PrecisionRow) -> tuple[str, ...]:
-    """The texts of a row, in the order of `HEADS`; the interval is drawn."""
-    preset = (row.preset or "–") + ("*" if row.parameter_sets > 1 else "")
-    micro = "–" if row.micro is None else share_text(row.micro)
-    return (row.method, preset, row.set_name or "–", str(row.pairs), f"{row.judged} of {row.matches}", str(row.correct),
-            str(row.wrong), str(row.tie), micro, "", str(row.volunteers))  # fmt: skip
-
-
-def interval_text(row: PrecisionRow) -> str:
-    """'[.52, .96]', or a dash."""
-    return "–" if row.interval is None else f"[{share_text(row.interval.low)}, {share_text(row.interval.high)}]"
-
-
-class IntervalDelegate(QStyledItemDelegate):
-    """Draws precision as a dot on 0..1 with its interval, the bounds of the undecided behind it, and the numbers."""
-
-    dark = False
-
-    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: QModelIndex) -> None:
-        super().paint(painter, option, index)
-        row: PrecisionRow | None = index.data(_ROW)
-        if row is None:
-            return
-        colours = theme(self.dark)
-        box = QRectF(option.rect).adjusted(8, 0, -96, 0)
-        middle = box.center().y()
-
-        def at(share: float) -> QPointF:
-            return QPointF(box.left() + share * box.width(), middle)
-
-        painter.save()
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(QPen(QColor(colours.line), 1))
-        painter.drawLine(at(0), at(1))
-        if row.bound_low is not None and row.bound_high is not None:
-            painter.setPen(QPen(QColor(colours.line), 7))
-            painter.drawLine(at(row.bound_low), at(row.bound_high))
-        if row.interval is not None and row.micro is not None:
-            painter.setPen(QPen(QColor(colours.accent), 2))
-            painter.drawLine(at(row.interval.low), at(row.interval.high))
-            painter.setBrush(QColor(colours.accent))
-            painter.drawEllipse(at(row.micro), 4, 4)
-        painter.setPen(QColor(colours.ink))
-        numbers = QRectF(option.rect).adjusted(option.rect.width() - 90, 0, -4, 0)
-        painter.drawText(numbers, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, interval_text(row))
-        painter.restore()
+NO_STUDY = "No study is open. Make one with Study > New study, or open one with Study > Open study."
+READING = "Reading the votes …"
+CHOICES = (("precision", "Precision"),)
+EXPORTS = (("csv", "Table as &CSV…", "csv"), ("markdown", "Table as &Markdown…", "md"))
 
 
 class ResultsPage(QWidget):
-    """Reads the table when it is shown and after each vote."""
+    """Reads what is chosen when it is shown, and again after each vote."""
 
     failed = Signal(str, str)
+    said = Signal(str)
 
-    def __init__(self, session: Session, judging: Judging, parent: QWidget | None = None) -> None:
+    def __init__(self, session: Session, judging: Judging, jobs: Jobs, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.session, self.judging = session, judging
-        self.content = Table((), ())
-        self.heading, self.empty = QLabel("Precision by majority of votes", self), QLabel("", self, wordWrap=True)
-        self.heading.setObjectName("page-heading")
-        self.file, self.notes = QLabel("", self), QLabel("", self, wordWrap=True)
-        for label in (self.file, self.notes, self.empty):
-            label.setObjectName("soft")
-            label.setTextFormat(Qt.TextFormat.PlainText)
-        self.table = self._table()
-        self.csv, self.markdown = QPushButton("Export CSV…", self), QPushButton("Export Markdown…", self)
-        self.csv.clicked.connect(lambda: self._export("csv"))
-        self.markdown.clicked.connect(lambda: self._export("markdown"))
-        head = QHBoxLayout()
-        head.setSpacing(8)
-        for widget, stretch in ((self.heading, 0), (self.file, 1), (self.csv, 0), (self.markdown, 0)):
-            head.addWidget(widget, stretch)
+        self.session, self.judging, self.jobs = session, judging, jobs
+        self.precision = PrecisionSection(self)
+        self.sections: dict[str, Any] = {"precision": self.precision}
+        self.stack = QStackedWidget(self)
+        for section in self.sections.values():
+            self.stack.addWidget(section)
+        self.empty = QLabel("", self, wordWrap=True, alignment=Qt.AlignmentFlag.AlignCenter)
+        self.empty.setObjectName("placeholder")
+        self.empty.setTextFormat(Qt.TextFormat.PlainText)
+        self.stack.addWidget(self.empty)
         column = QVBoxLayout(self)
-        column.setContentsMargins(16, 16, 16, 12)
+        column.setContentsMargins(16, 12, 16, 12)
         column.setSpacing(12)
-        column.addLayout(head)
-        column.addWidget(self.table, 10)
-        column.addWidget(self.empty)
-        column.addWidget(self.notes)
-        column.addStretch(1)
+        column.addLayout(self._head())
+        column.addWidget(self.stack, 1)
         session.changed.connect(self.apply)
         judging.refreshed.connect(self._refresh_if_shown)
-        self.show_table(self.content)
         self.apply(State(), session.state, frozenset(State.__slots__))
 
-    def _table(self) -> QTableWidget:
-        table = QTableWidget(0, len(HEADS), self)
-        table.setHorizontalHeaderLabels([f"  {head}  " for head in HEADS])
-        for column, head in enumerate(HEADS):
-            table.horizontalHeaderItem(column).setToolTip(_TIPS.get(head, ""))
-            if column < 3:
-                table.horizontalHeaderItem(column).setTextAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
-        table.verticalHeader().hide()
-        table.verticalHeader().setDefaultSectionSize(32)
-        table.setShowGrid(False)
-        table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
-        table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
-        table.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        head = table.horizontalHeader()
-        head.setHighlightSections(False)
-        head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
-        head.setSectionResizeMode(HEADS.index("95 % interval"), QHeaderView.ResizeMode.Stretch)
-        self.delegate = IntervalDelegate(table)
-        table.setItemDelegateForColumn(HEADS.index("95 % interval"), self.delegate)
-        return table
+    def _head(self) -> QHBoxLayout:
+        self.bar = ChoiceBar(CHOICES, self)
+        self.bar.chosen.connect(self.choose)
+        self.file = ElidedLabel("", self, "soft")
+        self.export_button = QPushButton("Export", self)
+        self.export_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.export_menu = QMenu(self.export_button)
+        for style, words, _ in EXPORTS:
+            self.export_menu.addAction(words).triggered.connect(lambda _=False, style=style: self.ask_export(style))
+        self.export_button.setMenu(self.export_menu)
+        row = QHBoxLayout()
+        row.setSpacing(16)
+        row.addWidget(self.bar)
+        row.addWidget(self.file, 1)
+        row.addWidget(self.export_button)
+        return row
+
+    @property
+    def content(self) -> Any:
+        """What the table of precision shows."""
+        return self.precision.content
+
+    @property
+    def delegate(self) -> Any:
+        """What draws the intervals of the table of precision."""
+        return self.precision.delegate
+
+    def choose(self, name: str) -> None:
+        """Show one of the sections."""
+        self.bar.check(name)
+        self.begin()
 
     def begin(self) -> None:
-        """Read the votes and show the table."""
-        self.judging.ask(lambda handle: Table(precision_table(handle), ballots(handle)), self.show_table)
+        """Read the votes and show what they say of what is chosen."""
+        handle, name = self.judging.handle, self.bar.choice
+        section = self.sections[name]
+        if handle is None:
+            self._show_empty(NO_STUDY)
+            return
+        if self.stack.currentWidget() is not section:
+            self._show_empty(READING)
+
+        def work(_: Any) -> Any:
+            return read(section, handle)
+
+        def done(content: Any) -> None:
+            if self.judging.handle is handle and self.bar.choice == name:
+                self._show(section, content)
+
+        self.jobs.start("results", work, done, words="Reading the votes", policy=FOLLOW)
+
+    def _show(self, section: Any, content: Any) -> None:
+        if section.show_content(content):
+            self.stack.setCurrentWidget(section)
+        else:
+            self._show_empty(section.empty)
+
+    def _show_empty(self, sentence: str) -> None:
+        self.empty.setText(sentence)
+        self.stack.setCurrentWidget(self.empty)
 
     def _refresh_if_shown(self) -> None:
         if self.isVisible():
             self.begin()
 
-    def show_table(self, content: Table) -> None:
-        """Show rows, notes and what is missing."""
-        self.content = content
-        self.table.setRowCount(len(content.rows))
-        for line, row in enumerate(content.rows):
-            for column, text in enumerate(cells(row)):
-                item = QTableWidgetItem(f"  {text}  " if text else "")
-                item.setTextAlignment(Qt.AlignmentFlag.AlignVCenter | (
-                    Qt.AlignmentFlag.AlignLeft if column < 3 else Qt.AlignmentFlag.AlignHCenter))  # fmt: skip
-                if HEADS[column] == "95 % interval":
-                    item.setData(_ROW, row)
-                    item.setToolTip(row.interval.method if row.interval else "Nothing is decided yet.")
-                self.table.setItem(line, column, item)
-        some = bool(content.rows)
-        self.table.setMaximumHeight(self.table.horizontalHeader().sizeHint().height() + 32 * len(content.rows) + 4)
-        self.table.setVisible(some)
-        self.empty.setVisible(not some)
-        self.empty.setText("No match has been judged in this study yet. Judge some on the page Shapes with J and F.")
-        starred = "* Pairs of this row were matched with different parameters. " if any(
-            row.parameter_sets > 1 for row in content.rows) else ""  # fmt: skip
-        legend = "The dot is the precision, the line its 95 % interval, the band what the undecided could make of it.\n"
-        self.notes.setText(legend + starred + agreement_line(content.votes) if some else "")
-        self.csv.setEnabled(some)
-        self.markdown.setEnabled(some)
-
-    def _export(self, style: str) -> None:
-        ending = {"csv": "csv", "markdown": "md"}[style]
+    def ask_export(self, style: str) -> None:
+        """Ask where to, and write the table."""
+        ending = next(ending for name, _, ending in EXPORTS if name == style)
         path, _ = QFileDialog.getSaveFileName(self, "Export the table", f"precision.{ending}", f"*.{ending}")
         if path:
             self.export(Path(path), style)
 
     def export(self, path: Path, style: str) -> None:
-        """Write the table as CSV or Markdown; a message where that cannot be."""
+        """Write the table in a style; a message where that cannot be."""
         try:
             write_atomically(path, render(self.content.rows, self.content.votes, style))
         except ConcordError as error:
             self.failed.emit(str(error), "")
+        else:
+            self.said.emit(f"Table written to {path}")
 
     def apply(self, _old: State, state: State, names: frozenset[str]) -> None:
         """Follow the theme and the study file."""
         if "dark" in names:
-            self.delegate.dark = state.dark
-            self.table.viewport().update()
+            for section in self.sections.values():
+                section.set_dark(state.dark)
         if "study" in names:
             self.file.setText(state.study)
             self._refresh_if_shown()
 
     def shutdown(self) -> None:
-        """Nothing to give back."""
+        """Give back what the sections hold of the graphics system."""
+        for section in self.sections.values():
+            section.shutdown()
+
+
+def read(section: Any, handle: StudyHandle) -> Any:
+    """What a section shows of a study."""
+    return section.read(handle)

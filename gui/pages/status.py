@@ -76,12 +76,14 @@ class StatusLine(QWidget):
                                 (self.seconds, 0)):  # fmt: skip
             row.addWidget(widget, stretch)
         self.setFixedHeight(34)
+        self._followed: list[Jobs] = []
         self._timer = QTimer(self, singleShot=True, interval=SHOW_AFTER)
         self._timer.timeout.connect(lambda: self._show_running(True))
         self._show_running(False)
 
     def follow(self, jobs: Jobs) -> None:
-        """Show what these jobs do, if it takes longer than a moment."""
+        """Show what these jobs do, too, if it takes longer than a moment."""
+        self._followed.append(jobs)
         jobs.started.connect(self._started)
         jobs.progressed.connect(self._progressed)
         jobs.idle.connect(self._idle)
@@ -98,8 +100,9 @@ class StatusLine(QWidget):
         self.running.setText(" · ".join(text for text in (words, left_text(left)) if text))
 
     def _idle(self) -> None:
-        self._timer.stop()
-        self._show_running(False)
+        if not any(jobs.busy() for jobs in self._followed):
+            self._timer.stop()
+            self._show_running(False)
 
     def _show_running(self, on: bool) -> None:
         for widget in (self.running, self.bar, self.stop):

@@ -21,5 +21,11 @@ def window_style(colours: Theme) -> str:
     QTableView#matches QHeaderView::section {{ padding: 4px 2px; }}
     QPushButton#plain {{ border: none; background: transparent; color: {colours.soft_ink}; padding: 2px 4px; }}
     QPushButton#plain:hover {{ color: {colours.ink}; text-decoration: underline; }}
+    QPushButton#choice {{ border: none; border-bottom: 2px solid transparent; border-radius: 0; background: transparent;
+                          color: {colours.soft_ink}; padding: 6px 8px; }}
+    QPushButton#choice:hover {{ color: {colours.ink}; }}
+    QPushButton#choice:checked {{ color: {colours.ink}; border-bottom-color: {colours.accent}; font-weight: 600; }}
+    QPushButton#choice:focus {{ border-bottom-color: {colours.line}; }}
+    QPushButton#choice:checked:focus {{ border-bottom-color: {colours.accent}; }}
     QMenuBar {{ background: {colours.panel}; border-bottom: 1px solid {colours.line}; }}
     """

@@ -57,7 +57,7 @@ def ready(window, files, qtbot):
 
 
 def settle(window, qtbot):
-    qtbot.waitUntil(lambda: not window.jobs.busy() and not window.study_jobs.busy(), timeout=60_000)
+    qtbot.waitUntil(lambda: not (window.jobs.busy() or window.study_jobs.busy() or window.studies.jobs.busy()), timeout=60_000)
 
 
 def state(window):

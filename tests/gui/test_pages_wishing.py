@@ -51,7 +51,7 @@ def ready(qtbot, tmp_path, monkeypatch, cache, make_bar):
 
 
 def settle(window, qtbot):
-    qtbot.waitUntil(lambda: not window.jobs.busy() and not window.study_jobs.busy(), timeout=60_000)
+    qtbot.waitUntil(lambda: not (window.jobs.busy() or window.study_jobs.busy() or window.studies.jobs.busy()), timeout=60_000)
 
 
 def pairs(window):

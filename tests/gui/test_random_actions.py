@@ -15,7 +15,7 @@ ACTIONS = 300
 
 
 def settle(window, qtbot):
-    qtbot.waitUntil(lambda: not window.jobs.busy() and not window.study_jobs.busy(), timeout=60_000)
+    qtbot.waitUntil(lambda: not (window.jobs.busy() or window.study_jobs.busy() or window.studies.jobs.busy()), timeout=60_000)
 
 
 @pytest.fixture

@@ -42,7 +42,7 @@ def window(qtbot, tmp_path, monkeypatch, cache):
 
 
 def settle(window, qtbot):
-    qtbot.waitUntil(lambda: not window.jobs.busy() and not window.study_jobs.busy(), timeout=60_000)
+    qtbot.waitUntil(lambda: not (window.jobs.busy() or window.study_jobs.busy() or window.studies.jobs.busy()), timeout=60_000)
 
 
 @pytest.fixture

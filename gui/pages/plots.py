@@ -1,0 +1,113 @@
+"""Live plots of shares with their intervals. The plotting library is imported with the first plot that is shown."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import QVBoxLayout, QWidget
+
+from ..palette import SERIES, Theme, theme
+
+SYMBOLS = ("o", "s", "t1", "d", "star", "t", "p", "h")
+SPREAD = 0.5  # how much of the room of a group its series take
+
+
+class Mark(NamedTuple):
+    """One share in [0, 1] of a series in a group, with its interval and its bounds where they are known."""
+
+    group: str
+    series: str
+    share: float
+    low: float | None = None
+    high: float | None = None
+    bound_low: float | None = None
+    bound_high: float | None = None
+
+
+def placed(marks: Sequence[Mark]) -> list[tuple[float, int, Mark]]:
+    """Where each mark stands: its abscissa (groups at 0, 1, …; series side by side), and the row of its series."""
+    groups, series = names(marks)
+    step = SPREAD / max(1, len(series))
+    left = -step * (len(series) - 1) / 2
+    return [(groups.index(m.group) + left + step * series.index(m.series), series.index(m.series), m) for m in marks]
+
+
+def names(marks: Sequence[Mark]) -> tuple[list[str], list[str]]:
+    """Groups and series in the order in which they come."""
+    return list(dict.fromkeys(m.group for m in marks)), list(dict.fromkeys(m.series for m in marks))
+
+
+class IntervalPlot(QWidget):
+    """Groups beside each other, in each a dot with its interval for every series; what is only bounded is a pale band."""
+
+    def __init__(self, axis: str, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.axis, self.dark, self.marks = axis, False, ()
+        self.plot = None
+        self.column = QVBoxLayout(self)
+        self.column.setContentsMargins(0, 0, 0, 0)
+
+    def show_marks(self, marks: Sequence[Mark], dark: bool) -> None:
+        """Draw these marks instead of those before."""
+        if (tuple(marks), dark) == (self.marks, self.dark) and self.plot is not None:
+            return
+        self.marks, self.dark = tuple(marks), dark
+        if marks or self.plot is not None:
+            self._draw()
+
+    def _draw(self) -> None:
+        import pyqtgraph
+
+        if self.plot is None:
+            self.plot = pyqtgraph.PlotWidget(self)
+            self.plot.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+            self.plot.setMenuEnabled(False)
+            self.plot.setMouseEnabled(False, False)
+            self.plot.hideButtons()
+            self.column.addWidget(self.plot)
+        colours = theme(self.dark)
+        item = self.plot.getPlotItem()
+        item.clear()
+        if item.legend is not None:
+            item.legend.scene().removeItem(item.legend)
+            item.legend = None
+        groups, series = names(self.marks)
+        self._axes(item, groups, colours)
+        item.addLegend(offset=(-8, 8), labelTextColor=colours.ink, brush=colours.paper, pen=None, colCount=1)
+        for row, name in enumerate(series):
+            self._series(item, row, name, colours)
+
+    def _axes(self, item, groups: list[str], colours: Theme) -> None:
+        self.plot.setBackground(colours.paper)
+        for side in ("left", "bottom"):
+            axis = item.getAxis(side)
+            axis.setPen(colours.line)
+            axis.setTextPen(colours.soft_ink)
+        item.getAxis("bottom").setTicks([[(k, group or "–") for k, group in enumerate(groups)]])
+        item.getAxis("left").setTicks([[(k / 5, f"{20 * k}") for k in range(6)]])
+        item.setLabel("left", self.axis, color=colours.soft_ink)
+        item.showGrid(y=True, alpha=0.25)
+        item.setXRange(-0.6, len(groups) - 0.4 + 0.35, padding=0)
+        item.setYRange(-0.02, 1.02, padding=0)
+
+    def _series(self, item, row: int, name: str, colours: Theme) -> None:
+        import pyqtgraph
+
+        colour = QColor(SERIES[row % len(SERIES)])
+        band = QColor(colour)
+        band.setAlpha(60)
+        points = [(x, m) for x, k, m in placed(self.marks) if k == row]
+        for x, m in points:
+            for low, high, width, shade in ((m.bound_low, m.bound_high, 9, band), (m.low, m.high, 2, colour)):
+                if low is not None and high is not None:
+                    item.plot([x, x], [low, high], pen=pyqtgraph.mkPen(shade, width=width, capStyle=Qt.PenCapStyle.FlatCap))
+        item.plot([x for x, _ in points], [m.share for _, m in points], pen=None, symbol=SYMBOLS[row % len(SYMBOLS)],
+                  symbolSize=9, symbolBrush=colour, symbolPen=colours.paper, name=name)  # fmt: skip
+
+    def shutdown(self) -> None:
+        """Give the scene back before the window goes."""
+        if self.plot is not None:
+            self.plot.close()
+            self.plot.deleteLater()
+            self.plot = None

@@ -1,0 +1,50 @@
+"""Tables without lines: words to the left, figures centred under their heads, as high as their rows."""
+
+from collections.abc import Mapping, Sequence
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTableWidget, QTableWidgetItem, QWidget
+
+ROW_HEIGHT = 32
+_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+_MIDDLE = Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignVCenter
+
+
+def quiet_table(heads: Sequence[str], words: int, wide: str, parent: QWidget, tips: Mapping[str, str] | None = None) -> QTableWidget:
+    """A table to read: its first `words` columns hold words, and the column `wide` takes the room that is left."""
+    table = QTableWidget(0, len(heads), parent)
+    table.setHorizontalHeaderLabels([f"  {head}  " for head in heads])
+    for column, head in enumerate(heads):
+        table.horizontalHeaderItem(column).setToolTip((tips or {}).get(head, ""))
+        if column < words:
+            table.horizontalHeaderItem(column).setTextAlignment(_LEFT)
+    table.verticalHeader().hide()
+    table.verticalHeader().setDefaultSectionSize(ROW_HEIGHT)
+    table.setShowGrid(False)
+    table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+    table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+    table.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+    table.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
+    table.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    head = table.horizontalHeader()
+    head.setHighlightSections(False)
+    head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+    head.setSectionResizeMode(list(heads).index(wide), QHeaderView.ResizeMode.Stretch)
+    return table
+
+
+def fill(table: QTableWidget, rows: Sequence[Sequence[str]], words: int, *, fitted: bool = True) -> None:
+    """Replace the rows by these texts; `fitted` makes the table no higher than they need."""
+    table.setRowCount(len(rows))
+    for line, cells in enumerate(rows):
+        for column, text in enumerate(cells):
+            item = QTableWidgetItem(f"  {text}  " if text else "")
+            item.setTextAlignment(_LEFT if column < words else _MIDDLE)
+            table.setItem(line, column, item)
+    if fitted:
+        table.setMaximumHeight(table.horizontalHeader().sizeHint().height() + ROW_HEIGHT * len(rows) + 4)
+
+
+def row_texts(table: QTableWidget, line: int) -> tuple[str, ...]:
+    """The texts of one row, as they were filled in."""
+    return tuple(table.item(line, column).text().strip() for column in range(table.columnCount()))

@@ -220,7 +220,7 @@ def _row(
     found = [pair for pair in pairs if pair in pool]
     return PrecisionRow(
         method, preset, set_name, len({result.parameters for result in results}), len(pairs), m, m - count["unjudged"],
-        **count,
+        count["correct"], count["wrong"], count["tie"], count["unjudged"],
         micro=_share(right, every), macro=_share(sum(known), len(known)), interval=interval_of(shares),
         bound_low=_share(right, weight), bound_high=_share(weight - wrong, weight),
         volunteers=len(frozenset[str]().union(*(one.voters for one in seen))), votes=votes,

@@ -51,6 +51,13 @@ def holm(values: Sequence[float | None]) -> tuple[float | None, ...]:
     return tuple(adjusted)
 
 
+def mcnemar(first: int, second: int) -> float:
+    """McNemar's exact two-sided p of so many discordant cases for the one and the other (Psychometrika 12, 1947)."""
+    from scipy.stats import binomtest
+
+    return float(binomtest(first, first + second, 0.5).pvalue) if first + second else 1.0
+
+
 def _permutation(x: np.ndarray, y: np.ndarray) -> float:
     from scipy.stats import permutation_test
 

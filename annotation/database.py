@@ -5,34 +5,45 @@ writes), every commit reaches the disk before it returns, and readers never wait
 """
 
 import contextlib
-import os
 import sqlite3
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
-from sqlalchemy import URL, Connection, Engine, create_engine, event
+from sqlalchemy import Connection, Engine, QueuePool, create_engine, event
 from sqlalchemy.exc import DatabaseError, IntegrityError, ProgrammingError
 
 from engine.errors import BadInput
 
-from . import schema
+from . import places, schema
 from .backup import back_up, keep_backup
+from .filecheck import check_inside, check_outside, explained, inode, may_write, sealed
+from .migrations import migrate
 
 BUSY_SECONDS = 30.0
 
 
 class StudyFile:
-    """An open study file (see `annotation.handle.StudyHandle`)."""
+    """An open study file (see `annotation.handle.StudyHandle`); without `writable` its content stays as it is."""
 
     volunteer: str | None = None  # anybody may vote
 
-    def __init__(self, path: Path, busy_seconds: float = BUSY_SECONDS) -> None:
+    def __init__(
+        self,
+        path: Path,
+        busy_seconds: float = BUSY_SECONDS,
+        *,
+        writable: bool = True,
+        options: str = "mode=rw",
+        copy: "tuple[Path, tempfile.TemporaryDirectory[str]] | None" = None,
+    ) -> None:
         self.path = path
         self.busy_seconds = busy_seconds
-        self._inode = _inode(path)
-        self._engine = _connectable(path, busy_seconds)
+        self.writable = writable
+        self._inode = inode(path)
+        self._copy = copy
+        self._engine = connectable(copy[0] if copy else path, busy_seconds, options)
 
     @property
     def where(self) -> str:
@@ -53,13 +64,17 @@ class StudyFile:
     @contextlib.contextmanager
     def writing(self) -> Iterator[Connection]:
         """One transaction, on the disk when the block ends without an error, and undone whole otherwise."""
-        if _inode(self.path) != self._inode:
+        if not self.writable:
+            raise BadInput(f"{self.path} is open for reading only; open it for writing where it can be written.")
+        if inode(self.path) != self._inode:
             raise BadInput(f"{self.path} was moved, deleted or replaced while open; put it back and open it again.")
         with self._told(), self._engine.begin() as connection:
             yield connection
 
     def close(self) -> None:
         self._engine.dispose()
+        if self._copy is not None:
+            self._copy[1].cleanup()
 
     def __enter__(self) -> Self:
         return self
@@ -77,32 +92,12 @@ class StudyFile:
             raise BadInput(explained(self.path, error, self.busy_seconds)) from error
 
 
-def explained(path: Path, error: Exception, busy_seconds: float) -> str:
-    """One sentence for a person, for what SQLite says of a file."""
-    said = str(getattr(error, "orig", None) or error)
-    for words, sentence in (
-        ("locked", f"is held by another program for longer than {busy_seconds:g} s; close it there and try again."),
-        ("readonly", "cannot be written; make it and its folder writable, or copy it to another folder."),
-        ("not a database", "is not a study file (it is no SQLite file); choose another."),
-        ("full", "cannot take the vote because the disk is full; make room and try again."),
-        ("unable to open", "cannot be opened; check that it and its folder can be read and written."),
-        ("malformed", "is damaged; use the newest copy in the folder 'backups' beside it."),
-        ("disk I/O", "cannot be read or written (the disk reports an error); copy it to another disk."),
-    ):
-        if words in said:
-            return f"{path} {sentence}"
-    return f"{path} cannot be used as a study ({said}); use the newest copy in the folder 'backups' beside it."
-
-
 def create_file(path: Path, fill: Callable[[Connection], None]) -> None:
-    """Make a new study file, staged beside and given its name when whole; an existing file is never replaced."""
-    for taken in (path, Path(f"{path}-wal")):
-        if os.path.lexists(taken):
-            raise BadInput(f"{taken} exists already; open that study, or choose another name.")
+    """Make a new study file, or a project folder with one, whole or not at all; nothing that exists is replaced."""
+    path = places.study_file(path)
     try:
-        with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
-            staged = Path(folder) / path.name
-            engine = _connectable(staged, BUSY_SECONDS)
+        with places.whole(path) as staged:
+            engine = connectable(staged, BUSY_SECONDS, "mode=rwc")
             with engine.connect() as connection:
                 connection.exec_driver_sql("PRAGMA journal_mode=WAL")
             with engine.begin() as connection:
@@ -111,26 +106,32 @@ def create_file(path: Path, fill: Callable[[Connection], None]) -> None:
                 schema.create_schema(connection)
                 fill(connection)
             engine.dispose()
-            _give_name(staged, path)
-    except OSError as error:
-        raise BadInput(f"{path} cannot be written ({error.strerror}); choose another folder or make room.") from None
     except DatabaseError as error:
         raise BadInput(explained(path, error, BUSY_SECONDS)) from error
 
 
-def open_file(path: Path, *, busy_seconds: float = BUSY_SECONDS, backup: bool = True) -> StudyFile:
-    """Check a study file from the outside in, keep a backup, migrate it if it is old, and open it."""
-    check_outside(path)
+def open_file(
+    path: Path, *, busy_seconds: float = BUSY_SECONDS, backup: bool = True, writable: bool = True
+) -> StudyFile:
+    """Check a study file from the outside in, keep a backup, migrate it if it is old, and open it.
+
+    Without `writable` nothing of it is changed, and it may lie where nothing can be written.
+    """
+    path = places.study_file(path)
+    check_outside(path, writable=writable)
     try:
-        with contextlib.closing(sqlite3.connect(path, timeout=busy_seconds, isolation_level=None)) as raw:
-            version = _check_inside(path, raw)
+        if not writable:
+            return _open_for_reading(path, busy_seconds)
+        with _raw(path, busy_seconds) as raw:
+            version = check_inside(path, raw)
             if version < schema.SCHEMA_VERSION:
                 back_up(raw, path, f"version-{version}")
-                _migrate(raw)
             elif backup:
                 keep_backup(raw, path)
             raw.execute("PRAGMA journal_mode=WAL")  # a backup put in place of the study is not in this mode
-    except sqlite3.DatabaseError as error:
+        if version < schema.SCHEMA_VERSION:
+            _migrate(path, busy_seconds)
+    except (sqlite3.DatabaseError, DatabaseError) as error:
         raise BadInput(explained(path, error, busy_seconds)) from error
     except OSError as error:
         raise BadInput(
@@ -139,97 +140,73 @@ def open_file(path: Path, *, busy_seconds: float = BUSY_SECONDS, backup: bool = 
     return StudyFile(path, busy_seconds)
 
 
-def check_outside(path: Path) -> None:
-    """What can be told without SQLite: missing, a folder, empty, foreign, write-protected (even from root)."""
+def _open_for_reading(path: Path, busy_seconds: float) -> StudyFile:
+    """Open the file where it lies if SQLite can read it there, or else a copy of it.
+
+    A file in WAL mode can only be read where its log may be written, or where nobody writes at all (`immutable`). One
+    whose log was left on a read-only disk, or which is of an older version, is read from a copy of both.
+    """
+    resting = not Path(f"{path}-wal").exists()
+    options = "mode=rw" if may_write(path) else "immutable=1" if sealed(path) and resting else "mode=ro"
     try:
-        mode, size = path.stat().st_mode, path.stat().st_size
-    except OSError as error:
-        raise BadInput(f"{path} cannot be opened ({error.strerror}); check the name, or create the study.") from None
-    if path.is_dir():
-        raise BadInput(f"{path} is a folder; give the study file in it.")
-    if size == 0:
-        raise BadInput(f"{path} is empty and no study; use a backup, or delete it and create the study again.")
-    if not mode & 0o222 or not os.access(path, os.R_OK | os.W_OK) or not os.access(path.parent, os.W_OK):
-        raise BadInput(f"{path} is read-only; make it and its folder writable, or copy it to another folder.")
-    with open(path, "rb") as handle:
-        if handle.read(16) != b"SQLite format 3\0":
-            raise BadInput(f"{path} is not a study file (it is no SQLite file); choose another.")
-    # Only a file at rest can be measured: while a log lies beside it, its end may still be in there.
-    if _cut_short(path) and not os.path.exists(f"{path}-wal") and _cut_short(path):
-        raise BadInput(
-            f"{path} is damaged (its end is missing); use the newest copy in the folder 'backups' beside it."
-        )
+        with _raw(path, busy_seconds, options) as raw:
+            version = check_inside(path, raw)
+        if version == schema.SCHEMA_VERSION:
+            return StudyFile(path, busy_seconds, writable=False, options=options)
+    except sqlite3.OperationalError as error:
+        if not any(words in str(error) for words in ("unable to open", "readonly")):
+            raise
+    return _open_copy(path, busy_seconds)
 
 
-def _cut_short(path: Path) -> bool:
-    """Whether the file is shorter than its header says (SQLite file format, section 1.3)."""
-    with open(path, "rb") as handle:
-        header = handle.read(100)
-    page = int.from_bytes(header[16:18], "big")
-    return path.stat().st_size < int.from_bytes(header[28:32], "big") * (65536 if page == 1 else page)
-
-
-def _check_inside(path: Path, raw: sqlite3.Connection) -> int:
-    """The schema version of a whole study file; raises `BadInput` for foreign, newer, damaged ones."""
-    if raw.execute("PRAGMA application_id").fetchone()[0] != schema.APPLICATION_ID:
-        raise BadInput(f"{path} is an SQLite file of another program, not a study; choose another.")
-    version: int = raw.execute("PRAGMA user_version").fetchone()[0]
-    if version > schema.SCHEMA_VERSION:
-        raise BadInput(
-            f"{path} was written by a newer Concord (study version {version}, this one reads up to "
-            f"{schema.SCHEMA_VERSION}); update Concord."
-        )
-    raw.execute("PRAGMA trusted_schema=OFF")
-    found = raw.execute("PRAGMA integrity_check(1)").fetchone()[0]
-    tables = {name for (name,) in raw.execute("SELECT name FROM sqlite_master")}
-    if found != "ok" or version < 1 or not {"study", "item", "event"} <= tables:
-        raise BadInput(f"{path} is damaged; use the newest copy in the folder 'backups' beside it.")
-    return version
-
-
-def _migrate(raw: sqlite3.Connection) -> None:
-    """Lead an older file to this version in one transaction (another process may have done it meanwhile)."""
-    raw.execute("BEGIN IMMEDIATE")
+def _open_copy(path: Path, busy_seconds: float) -> StudyFile:
+    folder = tempfile.TemporaryDirectory(prefix="concord-")
     try:
-        for version in range(raw.execute("PRAGMA user_version").fetchone()[0], schema.SCHEMA_VERSION):
-            for statement in schema.MIGRATIONS[version]:
-                raw.execute(statement)
-        raw.execute(f"PRAGMA user_version={schema.SCHEMA_VERSION}")
-        raw.execute("COMMIT")
+        copy = places.copied(path, Path(folder.name))
+        with _raw(copy, busy_seconds) as raw:
+            check_inside(path, raw)
+        _migrate(copy, busy_seconds)
+        return StudyFile(path, busy_seconds, writable=False, copy=(copy, folder))
     except BaseException:
-        raw.execute("ROLLBACK")
+        folder.cleanup()
         raise
 
 
-def _connectable(path: Path, busy_seconds: float) -> Engine:
-    """An SQLAlchemy engine whose connections are set up for safety and whose transactions lock at BEGIN."""
-    made = create_engine(URL.create("sqlite", database=str(path)), connect_args={"timeout": busy_seconds})
+def _migrate(path: Path, busy_seconds: float) -> None:
+    """Lead an older file to this version in one transaction (another process may have done it meanwhile)."""
+    engine = connectable(path, busy_seconds)
+    try:
+        with engine.begin() as connection:
+            version = connection.exec_driver_sql("PRAGMA user_version").scalar_one()
+            if version < schema.SCHEMA_VERSION:
+                migrate(connection, version)
+                connection.exec_driver_sql(f"PRAGMA user_version={schema.SCHEMA_VERSION}")
+    finally:
+        engine.dispose()
 
-    @event.listens_for(made, "connect")
-    def prepare(raw: Any, _record: Any) -> None:
-        raw.isolation_level = None  # Concord says BEGIN itself
+
+@contextlib.contextmanager
+def _raw(path: Path, busy_seconds: float, options: str = "mode=rw") -> Iterator[sqlite3.Connection]:
+    uri = f"{path.as_uri()}?{options}"
+    with contextlib.closing(sqlite3.connect(uri, uri=True, timeout=busy_seconds, isolation_level=None)) as raw:
+        yield raw
+
+
+def connectable(path: Path, busy_seconds: float, options: str = "mode=rw") -> Engine:
+    """An SQLAlchemy engine whose connections are set up for safety and whose transactions lock at BEGIN."""
+    uri = f"{path.as_uri()}?{options}"
+
+    def connect() -> sqlite3.Connection:
+        raw = sqlite3.connect(uri, uri=True, timeout=busy_seconds, isolation_level=None, check_same_thread=False)
         for pragma in ("foreign_keys=ON", "synchronous=FULL", "trusted_schema=OFF", "recursive_triggers=ON"):
             raw.execute(f"PRAGMA {pragma}")
+        return raw
+
+    # Any number of threads may hold a connection; five stay open.
+    made = create_engine("sqlite://", creator=connect, poolclass=QueuePool, pool_size=5, max_overflow=-1)
 
     @event.listens_for(made, "begin")
     def begin(connection: Connection) -> None:
         connection.exec_driver_sql(connection.get_execution_options().get("begin", "BEGIN IMMEDIATE"))
 
     return made
-
-
-def _give_name(staged: Path, path: Path) -> None:
-    """Name a staged file without ever replacing one (a second process may create the same study)."""
-    try:
-        os.link(staged, path)
-    except FileExistsError:
-        raise BadInput(f"{path} exists already; open that study, or choose another name.") from None
-    except OSError:  # a file system without hard links
-        os.rename(staged, path)
-
-
-def _inode(path: Path) -> tuple[int, int] | None:
-    with contextlib.suppress(OSError):
-        found = path.stat()
-        return found.st_dev, found.st_ino
-    return None

@@ -22,9 +22,7 @@ from sqlalchemy import (
     column,
     table,
 )
-from sqlalchemy.dialects import sqlite
 from sqlalchemy.dialects.postgresql import DOUBLE_PRECISION
-from sqlalchemy.schema import CreateTable
 from sqlalchemy.types import TypeEngine
 
 SCHEMA_VERSION = 2
@@ -152,7 +150,9 @@ WAITING = """CREATE VIEW waiting AS SELECT a.item_id, COUNT(*) AS packets FROM a
 WHERE NOT EXISTS (SELECT 1 FROM event AS e WHERE e.item_id = a.item_id AND e.volunteer = a.volunteer AND e.round = 1)
 GROUP BY a.item_id"""
 # An item wants another vote until it has k, or, where the study is adaptive and the item not overlapped, until more than
-# k / 2 agree; an item of k votes that is unresolved wants one more. Then it is for an adjudicator.
+# k / 2 agree. An item that is unresolved after k votes (two of them at least) wants one more, of a further volunteer or
+# of an adjudicator, whoever comes first; if that leaves it unresolved, it is for adjudicators alone. What waits in
+# packets may still settle it.
 WANTED = """CREATE VIEW wanted AS
 SELECT f.item_id, f.role, CASE
 WHEN f.k = 0 OR f.role <> 'judged' THEN 1
@@ -161,24 +161,23 @@ AND (f.adaptive = 0 OR f.overlapped = 1 OR 2 * (CASE WHEN f.correct > f.wrong TH
 THEN 1
 WHEN f.votes = f.k AND f.packets = 0 AND f.correct = f.wrong THEN 1
 ELSE 0 END AS open,
-CASE WHEN f.correct = f.wrong AND f.packets = 0 AND f.votes > f.k AND f.votes > 0 THEN 1
-WHEN f.correct = f.wrong AND f.packets = 0 AND f.votes >= f.k AND f.votes > 1 THEN 1
-ELSE 0 END AS disputed
+CASE WHEN f.correct = f.wrong AND f.packets = 0 AND f.votes >= f.k AND f.votes > 1 THEN 1 ELSE 0 END AS disputed
 FROM (SELECT i.id AS item_id, COALESCE(q.role, 'judged') AS role, COALESCE(q.overlapped, 0) AS overlapped,
 s.votes AS k, s.adaptive AS adaptive, COALESCE(t.votes, 0) AS votes, COALESCE(t.correct, 0) AS correct,
 COALESCE(t.wrong, 0) AS wrong, COALESCE(w.packets, 0) AS packets
 FROM item AS i CROSS JOIN study AS s LEFT JOIN asked AS q ON q.item_id = i.id
 LEFT JOIN tally AS t ON t.item_id = i.id LEFT JOIN waiting AS w ON w.item_id = i.id
 WHERE q.item_id IS NOT NULL OR NOT EXISTS (SELECT 1 FROM asked)) AS f"""
+# A packet fixes what its volunteer is asked; practice comes on top, but for adjudicators.
 OPEN_ITEM = """CREATE VIEW open_item AS
 SELECT v.code AS volunteer, w.item_id AS item_id, CASE WHEN w.role = 'practice' THEN 0 ELSE 1 END AS round
 FROM volunteer AS v CROSS JOIN wanted AS w
 WHERE NOT EXISTS (SELECT 1 FROM standing_vote AS e WHERE e.item_id = w.item_id AND e.volunteer = v.code
 AND e.round = CASE WHEN w.role = 'practice' THEN 0 ELSE 1 END)
-AND CASE WHEN v.adjudicates = 1 THEN w.disputed = 1 AND w.role = 'judged'
-WHEN w.role = 'practice' THEN 1 = 1
-WHEN EXISTS (SELECT 1 FROM assignment AS a WHERE a.volunteer = v.code)
+AND CASE WHEN w.role <> 'practice' AND EXISTS (SELECT 1 FROM assignment AS a WHERE a.volunteer = v.code)
 THEN EXISTS (SELECT 1 FROM assignment AS a WHERE a.volunteer = v.code AND a.item_id = w.item_id)
+WHEN v.adjudicates = 1 THEN w.disputed = 1 AND w.role = 'judged'
+WHEN w.role = 'practice' THEN 1 = 1
 ELSE w.open = 1 END"""
 PRACTICE = "CREATE VIEW practice AS SELECT item_id, answer, reason FROM asked WHERE role = 'practice'"
 VIEWS = (STANDING_VOTE, CURRENT_VOTE, TALLY, WAITING, WANTED, OPEN_ITEM, PRACTICE)
@@ -197,27 +196,27 @@ standing_vote, current_vote = (
     table(name, *(column(c.name, c.type) for c in event.columns)) for name in ("standing_vote", "current_vote")
 )
 open_item = table("open_item", column("volunteer", Text()), column("item_id", Text()), column("round", Integer()))
+wanted = table(
+    "wanted", column("item_id", Text()), column("role", Text()), column("open", Integer()), column("disputed", Integer())
+)
 practice = table("practice", column("item_id", Text()), column("answer", Text()), column("reason", Text()))
 
 
 def create_schema(connection: Connection) -> None:
     """All tables, views and triggers, in an open transaction on an empty database."""
     metadata.create_all(connection, checkfirst=False)
-    for statement in (*VIEWS, *SQLITE_TRIGGERS):
+    create_views(connection)
+    for statement in SQLITE_TRIGGERS:
         connection.exec_driver_sql(statement)
 
 
-def _added(table: Table) -> str:
-    return str(CreateTable(table).compile(dialect=sqlite.dialect()))
+def create_views(connection: Connection) -> None:
+    """All views, in the order in which one reads another."""
+    for statement in VIEWS:
+        connection.exec_driver_sql(statement)
 
 
-MIGRATIONS: dict[int, tuple[str, ...]] = {  # statements that lead from a version to the next
-    1: (
-        "ALTER TABLE study ADD COLUMN votes INTEGER NOT NULL DEFAULT 0",
-        "ALTER TABLE study ADD COLUMN adaptive INTEGER NOT NULL DEFAULT 1",
-        "ALTER TABLE study ADD COLUMN unsure INTEGER NOT NULL DEFAULT 1",
-        "ALTER TABLE volunteer ADD COLUMN adjudicates INTEGER NOT NULL DEFAULT 0",
-        *(_added(table) for table in (asked, assignment, blob, forgotten)),
-        *VIEWS[2:],
-    )
-}
+def drop_views(connection: Connection) -> None:
+    """Those views that are there."""
+    for statement in reversed(VIEWS):
+        connection.exec_driver_sql(f"DROP VIEW IF EXISTS {statement.split()[2]}")

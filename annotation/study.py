@@ -101,6 +101,8 @@ def create_study(
 ) -> StudyFile:
     """Make a new study file and open it; an existing file is refused. `seed` (drawn if None) fixes all orders.
 
+    A `path` that ends in ".concord" is made a project folder: the study, the results it is of, and its backups.
+
     For `votes`, `adaptive` and `unsure` see `Study`; `settings` is whatever else the design has to remember, as JSON.
     """
     if not name.strip():
@@ -114,17 +116,20 @@ def create_study(
     def fill(connection: Connection) -> None:
         connection.execute(insert(schema.study).values(values))
 
-    create_file(Path(path).absolute(), fill)
+    create_file(Path(path), fill)
     return open_study(path, backup=False)
 
 
-def open_study(path: Path | str, *, busy_seconds: float = BUSY_SECONDS, backup: bool = True) -> StudyFile:
+def open_study(
+    path: Path | str, *, busy_seconds: float = BUSY_SECONDS, backup: bool = True, writable: bool = True
+) -> StudyFile:
     """Check a study file, keep a backup beside it, and open it; use as a context manager or `close()` it.
 
-    Raises `BadInput` in one sentence if the file is missing, empty, damaged, foreign, read-only, of a newer version,
-    or held by another program for longer than `busy_seconds`.
+    `path` may be a project folder `name.concord`. Without `writable` nothing of the study is changed, and it may lie on
+    a read-only disk. Raises `BadInput` in one sentence if the file is missing, empty, damaged, foreign, read-only, of a
+    newer version, or held by another program for longer than `busy_seconds`.
     """
-    return open_file(Path(path).absolute(), busy_seconds=busy_seconds, backup=backup)
+    return open_file(Path(path), busy_seconds=busy_seconds, backup=backup, writable=writable)
 
 
 def about(handle: StudyHandle) -> Study:

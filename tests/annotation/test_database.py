@@ -2,17 +2,23 @@
 
 import contextlib
 import os
+import re
 import shutil
 import sqlite3
+import subprocess
+import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 from judging_world import LAMP, VASE, identity, study_of
+from version1 import write_version1
 
-from annotation import backup, database, schema, study
+from annotation import backup, filecheck, migrations, schema, study
 from engine.errors import BadInput
 
+ROOT = Path(__file__).parents[2]
 FOOT = identity(LAMP, (0,), VASE, (0,))
 
 
@@ -226,7 +232,13 @@ def test_a_backup_that_cannot_be_made_does_not_stop_the_work(path):
 
 
 def newer_schema(monkeypatch, *statements: str) -> None:
-    monkeypatch.setattr(schema, "MIGRATIONS", {**schema.MIGRATIONS, schema.SCHEMA_VERSION: statements})
+    """A next version, whose step is these statements."""
+
+    def step(operations):
+        for statement in statements:
+            operations.execute(statement)
+
+    monkeypatch.setattr(migrations, "STEPS", {**migrations.STEPS, schema.SCHEMA_VERSION: step})
     monkeypatch.setattr(schema, "SCHEMA_VERSION", schema.SCHEMA_VERSION + 1)
 
 
@@ -245,13 +257,39 @@ def test_an_older_file_is_backed_up_and_migrated_once(path, monkeypatch):
 
 
 def test_a_migration_that_fails_changes_nothing(path, monkeypatch):
+    before = inside(path)
     newer_schema(monkeypatch, "ALTER TABLE item ADD COLUMN gold TEXT", "nonsense")
     with pytest.raises(BadInput):
         study.open_study(path)
+    assert inside(path) == before
     monkeypatch.undo()
-    with study.open_study(path) as handle, handle.reading() as connection:
-        names = [row.name for row in connection.exec_driver_sql("PRAGMA table_info(item)")]
-    assert "gold" not in names
+    with study.open_study(path) as handle:
+        assert study.answers(handle, "anna") == {FOOT: "correct"}
+
+
+def inside(path) -> tuple[int, set[tuple[str, ...]]]:
+    """The version of a file, and all that its schema says, but for spaces."""
+    with contextlib.closing(sqlite3.connect(path)) as raw:
+        found = raw.execute("SELECT type, name, tbl_name, sql FROM sqlite_master").fetchall()
+        told = {(kind, name, of, re.sub(r"\s+|(?<=[(,])|(?=[(),])", "", sql or "")) for kind, name, of, sql in found}
+        return raw.execute("PRAGMA user_version").fetchone()[0], told
+
+
+def test_a_file_of_version_1_becomes_one_like_any_other(path, tmp_path):
+    said = write_version1(tmp_path / "old.db")
+    with study.open_study(tmp_path / "old.db") as handle:
+        assert study.answers(handle, "anna") == dict(said.values())
+        assert [one.item_id for one in study.open_items(handle, "anna")] == ["item-2"]
+        assert (study.about(handle).votes, study.about(handle).adaptive, study.about(handle).unsure) == (0, True, True)
+        study.record_vote(handle, "item-2", "bert", "unsure")
+    assert inside(tmp_path / "old.db") == inside(path)
+    assert vote_count(tmp_path / "old.db") == len(said) + 1
+
+
+def test_alembic_is_loaded_where_it_is_needed(path):
+    code = "import sys; from annotation import study; study.open_study(sys.argv[1]).close(); print('alembic' in sys.modules)"
+    said = subprocess.run([sys.executable, "-c", code, str(path)], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert said.stdout == "False\n"
 
 
 def test_sentences_for_what_sqlite_says():
@@ -264,7 +302,7 @@ def test_sentences_for_what_sqlite_says():
         "something new": "something new",
     }
     for words, expected in said.items():
-        assert expected in database.explained(database.Path("a.db"), sqlite3.OperationalError(words), 30)
+        assert expected in filecheck.explained(Path("a.db"), sqlite3.OperationalError(words), 30)
 
 
 def test_a_full_disk_refuses_the_vote_and_keeps_the_others(path):

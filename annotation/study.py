@@ -6,7 +6,7 @@ that `create_study` and `open_study` return; every failure that a person can mee
 
 import json
 import uuid
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from .database import BUSY_SECONDS, StudyFile, create_file, open_file
 from .handle import StudyHandle
 from .majority import ANSWERS, Answer, Majority, Verdict
 from .matchesfile import add_result
+from .postgres import create_server, is_url, open_server
 from .proposals import add_items, add_run, canonical, shape_item
 from .records import Item, OpenItem, Practice, Proposal, Run, Study, Volunteer, Vote, VotingProgress
 from .stamps import app_version, now
@@ -98,12 +99,16 @@ def create_study(
     unsure: bool = True,
     settings: Mapping[str, Any] | None = None,
     study_id: str | None = None,
-) -> StudyFile:
-    """Make a new study file and open it; an existing file is refused. `seed` (drawn if None) fixes all orders.
+    also: Callable[[Connection], None] | None = None,
+) -> StudyHandle:
+    """Make a new study and open it; an existing one is refused. `seed` (drawn if None) fixes all orders.
+
+    A `path` that begins with "postgresql:" is the address of a database on a server, which holds one study.
 
     A `path` that ends in ".concord" is made a project folder: the study, the results it is of, and its backups.
 
     For `votes`, `adaptive` and `unsure` see `Study`; `settings` is whatever else the design has to remember, as JSON.
+    `also` puts more into the study in the transaction that makes it: where that fails, there is no study.
     """
     if not name.strip():
         raise BadParameter("A study needs a name; give one.")
@@ -115,20 +120,27 @@ def create_study(
 
     def fill(connection: Connection) -> None:
         connection.execute(insert(schema.study).values(values))
+        if also is not None:
+            also(connection)
 
-    create_file(Path(path), fill)
+    if is_url(path):
+        create_server(str(path), fill)
+    else:
+        create_file(Path(path), fill)
     return open_study(path, backup=False)
 
 
 def open_study(
     path: Path | str, *, busy_seconds: float = BUSY_SECONDS, backup: bool = True, writable: bool = True
-) -> StudyFile:
+) -> StudyHandle:
     """Check a study file, keep a backup beside it, and open it; use as a context manager or `close()` it.
 
     `path` may be a project folder `name.concord`. Without `writable` nothing of the study is changed, and it may lie on
     a read-only disk. Raises `BadInput` in one sentence if the file is missing, empty, damaged, foreign, read-only, of a
     newer version, or held by another program for longer than `busy_seconds`.
     """
+    if is_url(path):
+        return open_server(str(path))
     return open_file(Path(path), busy_seconds=busy_seconds, backup=backup, writable=writable)
 
 

@@ -1,0 +1,147 @@
+"""Inviting volunteers to a study on a server: each gets a login of their own, which may vote as them and nothing else.
+
+Logins have random names, because every user of a server sees the names of all. Passwords are made here, hashed before
+they are sent (so no log of the server holds one), and shown once.
+"""
+
+import secrets
+from collections.abc import Iterator
+from typing import Any
+
+from sqlalchemy import URL, Connection, text, update
+
+from engine.errors import BadInput, BadParameter
+
+from . import schema, serverrules
+from .handle import StudyHandle
+from .postgres import StudyServer
+from .voting import checked_code
+from .voting import volunteer as known_volunteer
+
+_KEPT_OPTIONS = ("host", "port", "sslmode", "sslrootcert", "connect_timeout")  # of the address, for volunteers
+
+
+def register(handle: StudyHandle, code: str, *, adjudicator: bool = False) -> None:
+    """Make the volunteer where there is none; an adjudicator is asked about unresolved items alone."""
+    voter = known_volunteer(handle, code)
+    if adjudicator and not voter.adjudicates:
+        with handle.writing() as connection:
+            mine = schema.volunteer.c.code == voter.code
+            connection.execute(update(schema.volunteer).where(mine).values(adjudicates=1))
+
+
+def invite(server: StudyServer, code: str, *, adjudicator: bool = False, again: bool = False) -> str:
+    """Register a volunteer and return the personal address, which holds the password and is kept nowhere.
+
+    `again` gives a new password to one who was invited before, and ends the old one. Raises `BadInput` where the user
+    may not make logins, and where the volunteer is invited already.
+    """
+    code = checked_code(code)
+    with server.writing() as connection:
+        role = connection.scalar(text("SELECT role FROM invited WHERE code = :code"), {"code": code})
+        if (role is not None) != again:
+            raise BadParameter(
+                f"{code} was never invited; leave out --again." if again else
+                f"{code} is invited already; give --again for a new address, which ends the old one."
+            )  # fmt: skip
+        _check_may_invite(connection, server.where)
+    register(server, code, adjudicator=adjudicator)
+    with server.writing() as connection:
+        return _login(connection, server.url, role, volunteer=code)
+
+
+def invite_researcher(server: StudyServer) -> str:
+    """Return the address of a new login that may do everything but change votes and invite."""
+    with server.writing() as connection:
+        _check_may_invite(connection, server.where)
+        return _login(connection, server.url, None, volunteer=None)
+
+
+def uninvite(server: StudyServer, code: str) -> None:
+    """End the login of a volunteer at once, also where a window is open; the votes stay."""
+    code = checked_code(code)
+    with server.writing() as connection:
+        _check_may_invite(connection, server.where)
+        role = connection.scalar(text("DELETE FROM invited WHERE code = :code RETURNING role"), {"code": code})
+        if role is None:
+            raise BadInput(f"{server.where} has no invited volunteer {code}; check the code.")
+        _end(connection, role)
+
+
+def invited(server: StudyServer) -> tuple[str, ...]:
+    """The codes of those who are invited at present."""
+    with server.reading() as connection:
+        return tuple(connection.scalars(text("SELECT code FROM invited WHERE code IS NOT NULL ORDER BY code")))
+
+
+def grant_again(connection: Connection) -> None:
+    """Grant what volunteers and researchers may do, after views were made anew."""
+    for members, grants in (("volunteers", serverrules.volunteer_grants), ("researchers", serverrules.researcher_grants)):
+        group = _group(connection, members)
+        if connection.scalar(text("SELECT 1 FROM pg_roles WHERE rolname = :name"), {"name": group}):
+            _run(connection, grants(group))
+
+
+def _login(connection: Connection, url: URL, role: str | None, volunteer: str | None) -> str:
+    """A login with a new password, and its address."""
+    password = secrets.token_urlsafe(24)
+    made = role or f"concord_{secrets.token_hex(8)}"
+    verb = "CREATE" if role is None else "ALTER"
+    connection.exec_driver_sql(f"{verb} ROLE {made} LOGIN PASSWORD '{_hashed(connection, made, password)}'")
+    if role is None:
+        group = _ready_group(connection, "researchers" if volunteer is None else "volunteers")
+        connection.exec_driver_sql(f"GRANT {group} TO {made}")
+        values = {"role": made, "researcher": volunteer is None, "code": volunteer}
+        connection.execute(text("INSERT INTO invited (role, researcher, code) VALUES (:role, :researcher, :code)"), values)
+    kept = {name: value for name, value in url.query.items() if name in _KEPT_OPTIONS}
+    personal = URL.create("postgresql", made, password, url.host, url.port, url.database, kept)
+    return personal.render_as_string(hide_password=False)
+
+
+def _ready_group(connection: Connection, members: str) -> str:
+    """The group of all volunteers or researchers of this database, with its rights (granting twice does no harm)."""
+    group = _group(connection, members)
+    if not connection.scalar(text("SELECT 1 FROM pg_roles WHERE rolname = :name"), {"name": group}):
+        connection.exec_driver_sql(f"CREATE ROLE {group} NOLOGIN")
+    _run(connection, serverrules.volunteer_grants(group) if members == "volunteers" else serverrules.researcher_grants(group))
+    database = _quoted(connection, str(connection.scalar(text("SELECT current_database()"))))
+    ours = "SELECT pg_has_role(datdba, 'USAGE') FROM pg_database WHERE datname = current_database()"
+    if connection.scalar(text(ours)):
+        connection.exec_driver_sql(f"REVOKE CONNECT, TEMPORARY ON DATABASE {database} FROM PUBLIC")
+        connection.exec_driver_sql(f"GRANT CONNECT ON DATABASE {database} TO {group}")
+    return group
+
+
+def _group(connection: Connection, members: str) -> str:
+    oid = connection.scalar(text("SELECT oid FROM pg_database WHERE datname = current_database()"))
+    return f"concord_{members}_{oid}"
+
+
+def _check_may_invite(connection: Connection, where: str) -> None:
+    query = "SELECT rolsuper OR rolcreaterole FROM pg_roles WHERE rolname = current_user"
+    if not connection.scalar(text(query)):
+        raise BadInput(f"{where} does not let this user make logins; connect as one who may (ALTER ROLE … CREATEROLE).")
+
+
+def _end(connection: Connection, role: str) -> None:
+    """Close the connections of a login and remove it."""
+    connection.exec_driver_sql(f"ALTER ROLE {role} NOLOGIN")
+    may_end = "SELECT rolsuper OR pg_has_role('pg_signal_backend', 'USAGE') FROM pg_roles WHERE rolname = current_user"
+    if connection.scalar(text(may_end)):  # otherwise an open window stays connected, and may do nothing any more
+        connection.execute(text("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE usename = :role"), {"role": role})
+    connection.exec_driver_sql(f"DROP ROLE {role}")
+
+
+def _hashed(connection: Connection, role: str, password: str) -> str:
+    raw: Any = connection.connection.dbapi_connection
+    hashed: bytes = raw.pgconn.encrypt_password(password.encode(), role.encode(), b"scram-sha-256")
+    return hashed.decode()
+
+
+def _quoted(connection: Connection, name: str) -> str:
+    return connection.dialect.identifier_preparer.quote_identifier(name)
+
+
+def _run(connection: Connection, statements: Iterator[str]) -> None:
+    for statement in statements:
+        connection.exec_driver_sql(statement)

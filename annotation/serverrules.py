@@ -1,0 +1,120 @@
+"""What a study's tables are guarded by on PostgreSQL: triggers, row-level security, and what a volunteer sees.
+
+The tables and views of `annotation.schema` lie in the schema `concord`. An invited volunteer's connection looks first
+into the schema `blind`, whose views bear the names of tables and views and hide what a volunteer may not know, so that
+`annotation.voting` works through it unchanged. Behind these views row-level security is on for every table, so that a
+grant made by mistake still shows nothing but own rows.
+
+Who is connected is told by `session_user`, which SET ROLE does not change, looked up in the table `invited`.
+"""
+
+from collections.abc import Iterator
+
+from . import schema
+
+SCHEMA, BLIND = "concord", "blind"
+RESEARCHER_PATH, VOLUNTEER_PATH = f"{SCHEMA}, pg_temp", f"{BLIND}, {SCHEMA}, pg_temp"
+
+OWN_TABLES = (
+    "CREATE TABLE concord.version (number integer NOT NULL)",
+    "CREATE UNIQUE INDEX one_version ON concord.version ((true))",
+    """CREATE TABLE concord.invited (role text PRIMARY KEY, researcher boolean NOT NULL,
+    code text UNIQUE REFERENCES concord.volunteer (code) ON UPDATE CASCADE ON DELETE CASCADE,
+    CHECK (researcher = (code IS NULL)))""",
+)
+"""The number of the version of the schema, and whose connection is whose (no volunteer may read it)."""
+
+_DEFINER = "STABLE SECURITY DEFINER SET search_path = pg_catalog, pg_temp"
+FUNCTIONS = (
+    f"""CREATE FUNCTION concord.own_code() RETURNS text LANGUAGE sql {_DEFINER}
+    AS 'SELECT code FROM concord.invited WHERE role = session_user'""",
+    f"""CREATE FUNCTION concord.is_researcher() RETURNS boolean LANGUAGE sql {_DEFINER}
+    AS 'SELECT EXISTS (SELECT 1 FROM concord.invited WHERE role = session_user AND researcher)'""",
+    f"""CREATE FUNCTION concord.follows_own(earlier text, item text, during integer) RETURNS boolean LANGUAGE sql {_DEFINER}
+    AS 'SELECT earlier IS NULL OR EXISTS (SELECT 1 FROM concord.event AS e WHERE e.uuid = earlier AND e.item_id = item
+    AND e.round = during AND e.volunteer = concord.own_code())'""",
+    """CREATE FUNCTION concord.refuse_change() RETURNS trigger LANGUAGE plpgsql AS
+    $$ BEGIN RAISE EXCEPTION 'votes are only ever added: nothing may change or remove one'
+    USING ERRCODE = 'restrict_violation'; END $$""",
+)
+NEVER_CHANGED = "event_never_changed"
+TRIGGERS = (
+    f"""CREATE TRIGGER {NEVER_CHANGED} BEFORE UPDATE OR DELETE OR TRUNCATE ON concord.event
+    FOR EACH STATEMENT EXECUTE FUNCTION concord.refuse_change()""",
+    f"ALTER TABLE concord.event ENABLE ALWAYS TRIGGER {NEVER_CHANGED}",
+)
+
+_MINE = "volunteer = (SELECT concord.own_code())"
+POLICIES = (
+    f"CREATE POLICY own_rows ON concord.event FOR SELECT USING ({_MINE})",
+    f"""CREATE POLICY own_votes ON concord.event FOR INSERT
+    WITH CHECK ({_MINE} AND concord.follows_own(supersedes, item_id, round))""",
+    "CREATE POLICY own_row ON concord.volunteer FOR SELECT USING (code = (SELECT concord.own_code()))",
+    "CREATE POLICY shapes ON concord.blob FOR SELECT USING ((SELECT concord.own_code()) IS NOT NULL)",
+)
+
+# Views are read with the rights of the study's owner, who passes row-level security; hence each says whose rows. Items
+# come by their ids, since the order in which a run proposed them is that of its scores, and without the time and the
+# file names that tell runs apart. A NUL in a name is no JSON that PostgreSQL can take to pieces.
+_NAMELESS = (
+    r"""jsonb_set(jsonb_set(replace(payload, '\u0000', '\ufffd')::jsonb, '{source,file}', '""', false), """
+    r"""'{target,file}', '""', false)::text"""
+)
+BLIND_VIEWS = {
+    "study": """SELECT id, name, question, guideline, ''::text AS seed, '{}'::text AS settings, app_version, created_at,
+    votes, adaptive, unsure FROM concord.study""",
+    "item": f"""SELECT id, kind, CASE kind WHEN 'shape' THEN {_NAMELESS} ELSE payload END AS payload,
+    ''::text AS created_at FROM concord.item ORDER BY id""",
+    "practice": "SELECT item_id, answer, reason FROM concord.practice ORDER BY item_id",
+    "open_item": "SELECT volunteer, item_id, round FROM concord.open_item WHERE volunteer = concord.own_code() ORDER BY item_id",
+    "standing_vote": "SELECT * FROM concord.standing_vote WHERE volunteer = concord.own_code()",
+    "current_vote": "SELECT * FROM concord.current_vote WHERE volunteer = concord.own_code()",
+}
+
+
+def guards() -> Iterator[str]:
+    """The statements that guard the tables and views of a new study, in order."""
+    yield from (*OWN_TABLES, *FUNCTIONS, *TRIGGERS)
+    for name in (*schema.metadata.tables, "version", "invited"):
+        yield f"ALTER TABLE concord.{name} ENABLE ROW LEVEL SECURITY"
+        if name != "invited":
+            yield f"CREATE POLICY researchers ON concord.{name} USING ((SELECT concord.is_researcher()))"
+    yield "CREATE POLICY anybody ON concord.version FOR SELECT USING (true)"
+    yield from POLICIES
+    yield "REVOKE ALL ON SCHEMA concord FROM PUBLIC"
+    yield "REVOKE ALL ON ALL TABLES IN SCHEMA concord FROM PUBLIC"
+    yield "REVOKE ALL ON ALL FUNCTIONS IN SCHEMA concord FROM PUBLIC"
+    yield from blind_views()
+
+
+def blind_views() -> Iterator[str]:
+    """The statements that make the schema of volunteers (anew after a migration, which makes all views anew)."""
+    yield f"CREATE SCHEMA {BLIND}"
+    for name, query in BLIND_VIEWS.items():
+        yield f"CREATE VIEW {BLIND}.{name} WITH (security_barrier) AS {query}"
+
+
+def volunteer_grants(group: str) -> Iterator[str]:
+    """What a volunteer's group may do: read the blind views and own rows, and add votes."""
+    yield f"GRANT USAGE ON SCHEMA concord, {BLIND} TO {group}"
+    yield f"GRANT SELECT ON ALL TABLES IN SCHEMA {BLIND} TO {group}"
+    yield f"GRANT SELECT ON concord.volunteer, concord.blob, concord.version TO {group}"
+    yield f"GRANT SELECT, INSERT ON concord.event TO {group}"
+    yield from _callable(group)
+
+
+def researcher_grants(group: str) -> Iterator[str]:
+    """What a further researcher may do: everything but change votes and invite."""
+    yield f"GRANT USAGE ON SCHEMA concord TO {group}"
+    yield f"GRANT SELECT ON ALL TABLES IN SCHEMA concord TO {group}"
+    for name in schema.metadata.tables:
+        allowed = "INSERT" if name == "event" else "INSERT, UPDATE, DELETE"
+        yield f"GRANT {allowed} ON concord.{name} TO {group}"
+    yield f"REVOKE ALL ON concord.invited FROM {group}"
+    yield from _callable(group)
+
+
+def _callable(group: str) -> Iterator[str]:
+    """What the policies call, they call with the rights of whoever asks."""
+    for function in ("own_code()", "is_researcher()", "follows_own(text, text, integer)"):
+        yield f"GRANT EXECUTE ON FUNCTION concord.{function} TO {group}"

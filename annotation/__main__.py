@@ -13,11 +13,10 @@ from engine.store import write_atomically
 from .exchange import merge as merge_files
 from .exchange import votes_csv
 from .majority import Answer
-from .precision import ballots, precision_table
 from .resultfile import read_results
 from .stamps import app_version
 from .study import DEFAULT_QUESTION, add_run, create_study, open_study, record_vote
-from .tabletext import TableFormat, render
+from .table_commands import mount as mount_tables
 from .votedwishes import read_voted_wishes
 
 app = App(
@@ -78,21 +77,6 @@ def add(file: Path, matches: list[Path], /, *, set_name: SetName = "") -> None:
         for run in runs:
             add_run(handle, run)
     print(f"{file}: {len(runs)} {'result' if len(runs) == 1 else 'results'} added.")
-
-
-@app.command
-def table(file: Path, /, *, format: TableFormat = "text", out: Out = None) -> None:
-    """Print the precision of each method and set by majority votes.
-
-    Parameters
-    ----------
-    file
-        The study file.
-    format
-        How to write the table.
-    """
-    with open_study(file, backup=False) as handle:
-        _give(render(precision_table(handle), ballots(handle), format), out)
 
 
 @app.command
@@ -190,6 +174,9 @@ def merge(into: Path, source: Path, /, *, another_study: bool = False) -> None:
     """
     new = merge_files(into, source, other_study=another_study)
     print(f"{into}: {new.events} votes and undos, {new.items} matches, {new.runs} results are new.")
+
+
+mount_tables(app)
 
 
 def _give(text: str, out: Path | None) -> None:

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from sqlalchemy import Connection, insert, select, update
@@ -27,19 +27,24 @@ def add_run(handle: StudyHandle, run: Run) -> str:
     The same outcome of the same method, parameters, pair and set is the same run: adding it again adds nothing but
     makes it the newest of its pair.
     """
-    found = run_id(run)
     with handle.writing() as connection:
-        _add_items(connection, (proposal.item for proposal in run.proposals))
-        if connection.execute(update(schema.run).where(schema.run.c.id == found).values(added_at=now())).rowcount:
-            return found
-        connection.execute(insert(schema.run).values(_run_row(found, run)))
-        rows = [
-            {"run_id": found, "item_id": p.item.id, "rank": rank, "score": p.score, "votes": p.votes,
-             "source_layer": p.source_layer, "target_layer": p.target_layer}
-            for rank, p in enumerate(run.proposals, start=1)
-        ]  # fmt: skip
-        if rows:
-            connection.execute(insert(schema.run_match), rows)
+        return insert_run(connection, run)
+
+
+def insert_run(connection: Connection, run: Run) -> str:
+    """The same in an open transaction."""
+    found = run_id(run)
+    _add_items(connection, (proposal.item for proposal in run.proposals))
+    if connection.execute(update(schema.run).where(schema.run.c.id == found).values(added_at=now())).rowcount:
+        return found
+    connection.execute(insert(schema.run).values(_run_row(found, run)))
+    rows = [
+        {"run_id": found, "item_id": p.item.id, "rank": rank, "score": p.score, "votes": p.votes,
+         "source_layer": p.source_layer, "target_layer": p.target_layer}
+        for rank, p in enumerate(run.proposals, start=1)
+    ]  # fmt: skip
+    if rows:
+        connection.execute(insert(schema.run_match), rows)
     return found
 
 
@@ -86,8 +91,10 @@ def _hash(value: Any) -> str:
 
 
 def _add_items(connection: Connection, items: Iterable[Item]) -> int:
-    known = set(connection.scalars(select(schema.item.c.id)))
-    new = {item.id: item for item in items if item.id not in known}
+    given = {item.id: item for item in items}
+    known = {found for part in batched(given, 5000) for found in connection.scalars(
+        select(schema.item.c.id).where(schema.item.c.id.in_(part)))}  # fmt: skip
+    new = {key: item for key, item in given.items() if key not in known}
     for item in new.values():
         if not item.id or item.kind not in ("shape", "puzzle"):
             raise BadInput(f"An item of kind {item.kind!r} with id {item.id!r} cannot be judged; give both.")
@@ -97,6 +104,12 @@ def _add_items(connection: Connection, items: Iterable[Item]) -> int:
         ]
         connection.execute(insert(schema.item), rows)
     return len(new)
+
+
+def batched(keys: Iterable[str], size: int) -> Iterator[list[str]]:
+    """Keys in lists of at most `size`: a query takes no more than so many."""
+    left = list(keys)
+    return (left[at : at + size] for at in range(0, len(left), size))
 
 
 def _run_row(found: str, run: Run) -> dict[str, str]:

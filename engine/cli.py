@@ -22,7 +22,7 @@ def run(app: "App", arguments: Sequence[str] | None = None) -> int:
     try:
         result = app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
     except CycloptsError as error:
-        return complain(" ".join(str(error).split()))
+        return complain(_words(error))
     except (KeyboardInterrupt, Cancelled):
         print("concord: stopped.", file=sys.stderr)
         return 130
@@ -33,6 +33,18 @@ def run(app: "App", arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         return complain("There is not enough memory for this; use a smaller mesh or picture, or lower node_cap.")
     return result if isinstance(result, int) else 0
+
+
+def _words(error: Exception) -> str:
+    """What the command line says of a wrong option; of a declared parameter, what that takes."""
+    from pydantic import ValidationError
+
+    from .parameters import Parameters, sentence
+
+    model = getattr(getattr(error, "argument", None), "hint", None)
+    if isinstance(error.__cause__, ValidationError) and isinstance(model, type) and issubclass(model, Parameters):
+        return sentence(model, error.__cause__)
+    return " ".join(str(error).split())
 
 
 def complain(sentence: str) -> int:

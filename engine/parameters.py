@@ -48,7 +48,7 @@ class ParameterInfo(NamedTuple):
     """Everything that is declared of one parameter, for forms, help and reports."""
 
     name: str
-    kind: Literal["real", "integer", "switch", "choice"]
+    kind: Literal["real", "integer", "switch", "choice", "text"]
     default: Any
     low: float | None
     high: float | None
@@ -98,11 +98,9 @@ def _info(model: type[Parameters], name: str) -> ParameterInfo:
             if getattr(mark, side, None) is not None:
                 limits[side] = getattr(mark, side)
     choices = get_args(field.annotation) if get_origin(field.annotation) is Literal else ()
-    kind: Literal["real", "integer", "switch", "choice"]
-    if choices:
-        kind = "choice"
-    else:
-        kind = "switch" if field.annotation is bool else "integer" if field.annotation is int else "real"
+    kinds: dict[Any, Literal["switch", "integer", "text"]] = {bool: "switch", int: "integer", str: "text"}
+    kind: Literal["real", "integer", "switch", "choice", "text"]
+    kind = "choice" if choices else kinds.get(field.annotation, "real")
     return ParameterInfo(
         name=name, kind=kind, default=field.default, low=limits.get("ge"), high=limits.get("le"),
         step=extra.get("step"), multiple=extra.get("multiple"), choices=choices,
@@ -117,10 +115,11 @@ def checked(model: type[P], values: Mapping[str, Any]) -> P:
     try:
         return model.model_validate(dict(values))
     except ValidationError as error:
-        raise BadParameter(_sentence(model, error)) from None
+        raise BadParameter(sentence(model, error)) from None
 
 
-def _sentence(model: type[Parameters], error: ValidationError) -> str:
+def sentence(model: type[Parameters], error: ValidationError) -> str:
+    """What is wrong with the first value that a model refuses, and what it takes."""
     first = error.errors()[0]
     name = str(first["loc"][0]) if first["loc"] else "?"
     if name not in model.model_fields:
@@ -130,6 +129,8 @@ def _sentence(model: type[Parameters], error: ValidationError) -> str:
         wanted = "one of " + ", ".join(map(str, info.choices))
     elif info.kind == "switch":
         wanted = "true or false"
+    elif info.kind == "text":
+        wanted = "a text"
     else:
         noun = "a whole number" if info.kind == "integer" else "a number"
         wanted = noun + (f" from {info.low:.12g} to {info.high:.12g}" if info.low is not None and info.high is not None else "")

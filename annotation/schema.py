@@ -9,6 +9,7 @@ from typing import Any
 
 from sqlalchemy import (
     REAL,
+    TEXT,
     CheckConstraint,
     Column,
     Connection,
@@ -30,10 +31,11 @@ APPLICATION_ID = 0x436E6364  # "Cncd", in the header of every study file
 
 metadata = MetaData()
 Real: TypeEngine[Any] = REAL().with_variant(DOUBLE_PRECISION(), "postgresql")
+Words = Text().with_variant(TEXT(collation="C"), "postgresql")  # sorted by code points, as on SQLite, whatever the server
 
 
 def _text(name: str, *constraints: CheckConstraint | ForeignKey, primary_key: bool = False) -> Column[str]:
-    return Column(name, Text, *constraints, nullable=False, primary_key=primary_key)
+    return Column(name, Words, *constraints, nullable=False, primary_key=primary_key)
 
 
 def _number(name: str, default: int = 0) -> Column[int]:

@@ -34,6 +34,7 @@ run: setup
 
 # The whole suite off-screen, then the few tests that need an X server under Xvfb.
 test: setup system
+	@scripts/test-server.sh
 	@$(HEADLESS) $(BIN)/python -m pytest -m "not xvfb"
 	@QT_API=pyside6 QT_QPA_PLATFORM=xcb xvfb-run -a -s "-screen 0 1600x1000x24" $(BIN)/python -m pytest -m xvfb
 

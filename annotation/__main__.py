@@ -14,8 +14,9 @@ from .exchange import merge as merge_files
 from .exchange import votes_csv
 from .majority import Answer
 from .resultfile import read_results
+from .server_commands import mount as mount_invitations
 from .stamps import app_version
-from .study import DEFAULT_QUESTION, add_run, create_study, open_study, record_vote
+from .study import DEFAULT_QUESTION, add_run, create_study, open_study, record_vote, shown_place, study_name
 from .table_commands import mount as mount_tables
 from .votedwishes import read_voted_wishes
 
@@ -32,7 +33,7 @@ Out = Annotated[Path | None, Parameter(help="Write to this file instead of the s
 
 @app.command
 def create(
-    file: Path,
+    file: str,
     matches: Annotated[list[Path] | None, Parameter(negative=())] = None,
     /,
     *,
@@ -54,15 +55,15 @@ def create(
         The question that volunteers are asked.
     """
     runs = [read_results(path, set_name) for path in matches or ()]
-    with create_study(file, name=name or file.stem, question=question) as handle:
+    with create_study(file, name=name or study_name(file), question=question) as handle:
         for run in runs:
             add_run(handle, run)
     results = "1 result" if len(runs) == 1 else f"{len(runs)} results"
-    print(f"{file}: {len({p.item.id for run in runs for p in run.proposals})} matches of {results}.")
+    print(f"{handle.where}: {len({p.item.id for run in runs for p in run.proposals})} matches of {results}.")
 
 
 @app.command
-def add(file: Path, matches: list[Path], /, *, set_name: SetName = "") -> None:
+def add(file: str, matches: list[Path], /, *, set_name: SetName = "") -> None:
     """Add results in MATCHES (matches.json of shapes, solution.json of puzzles) to a study; votes already given stay.
 
     Parameters
@@ -76,11 +77,11 @@ def add(file: Path, matches: list[Path], /, *, set_name: SetName = "") -> None:
     with open_study(file) as handle:
         for run in runs:
             add_run(handle, run)
-    print(f"{file}: {len(runs)} {'result' if len(runs) == 1 else 'results'} added.")
+    print(f"{handle.where}: {len(runs)} {'result' if len(runs) == 1 else 'results'} added.")
 
 
 @app.command
-def votes(file: Path, /, *, out: Out = None) -> None:
+def votes(file: str, /, *, out: Out = None) -> None:
     """Export every vote as CSV, with its state: current, replaced or retracted.
 
     Parameters
@@ -93,7 +94,7 @@ def votes(file: Path, /, *, out: Out = None) -> None:
 
 
 @app.command
-def vote(file: Path, /, *, volunteer: str, item: str, answer: Answer, comment: str = "") -> None:
+def vote(file: str, /, *, volunteer: str, item: str, answer: Answer, comment: str = "") -> None:
     """Record one vote.
 
     Parameters
@@ -116,7 +117,7 @@ def vote(file: Path, /, *, volunteer: str, item: str, answer: Answer, comment: s
 
 @app.command
 def wishes(
-    file: Path,
+    file: str,
     source: Path,
     target: Path,
     /,
@@ -160,7 +161,7 @@ def wishes(
 
 
 @app.command
-def merge(into: Path, source: Path, /, *, another_study: bool = False) -> None:
+def merge(into: str, source: str, /, *, another_study: bool = False) -> None:
     """Take the votes and results of one study file into another; merging twice changes nothing.
 
     Parameters
@@ -173,10 +174,11 @@ def merge(into: Path, source: Path, /, *, another_study: bool = False) -> None:
         Merge although the two files were created as different studies.
     """
     new = merge_files(into, source, other_study=another_study)
-    print(f"{into}: {new.events} votes and undos, {new.items} matches, {new.runs} results are new.")
+    print(f"{shown_place(into)}: {new.events} votes and undos, {new.items} matches, {new.runs} results are new.")
 
 
 mount_tables(app)
+mount_invitations(app)
 
 
 def _give(text: str, out: Path | None) -> None:

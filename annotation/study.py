@@ -19,7 +19,7 @@ from .database import BUSY_SECONDS, StudyFile, create_file, open_file
 from .handle import StudyHandle
 from .majority import ANSWERS, Answer, Majority, Verdict
 from .matchesfile import add_result
-from .postgres import create_server, is_url, open_server
+from .postgres import create_server, is_url, named, open_server, server_url
 from .proposals import add_items, add_run, canonical, shape_item
 from .records import Item, OpenItem, Practice, Proposal, Run, Study, Volunteer, Vote, VotingProgress
 from .stamps import app_version, now
@@ -78,7 +78,9 @@ __all__ = [
     "record_vote",
     "record_votes",
     "shape_item",
+    "shown_place",
     "sides_swapped",
+    "study_name",
     "undo_vote",
     "volunteer",
     "volunteers",
@@ -142,6 +144,16 @@ def open_study(
     if is_url(path):
         return open_server(str(path))
     return open_file(Path(path), busy_seconds=busy_seconds, backup=backup, writable=writable)
+
+
+def study_name(place: Path | str) -> str:
+    """What a study is called by its file, folder or database."""
+    return server_url(str(place)).database or "" if is_url(place) else Path(place).stem
+
+
+def shown_place(place: Path | str) -> str:
+    """The file, folder or address as it may be shown: never with a password."""
+    return named(server_url(str(place))) if is_url(place) else str(place)
 
 
 def about(handle: StudyHandle) -> Study:

@@ -39,12 +39,13 @@ class VotedWishes(NamedTuple):
         return text + "."
 
 
-def read_voted_wishes(path: Path, source: SegmentedShape, target: SegmentedShape) -> VotedWishes:
+def read_voted_wishes(path: Path | str, source: SegmentedShape, target: SegmentedShape) -> VotedWishes:
     """The wishes that the votes of a study file make for two shapes; raises `BadInput`, also where it holds none of their matches."""
     with open_study(path, backup=False) as handle:
         found = voted_wishes(handle, source, target)
+        where = handle.where
     if not found.items:
-        raise BadInput(f"{path} holds no match of {source.mesh.name} and {target.mesh.name} with these segments; give the study "
+        raise BadInput(f"{where} holds no match of {source.mesh.name} and {target.mesh.name} with these segments; give the study "
                        "that their results are in, and the labels that they had.")  # fmt: skip
     return found
 

@@ -198,6 +198,9 @@ standing_vote, current_vote = (
     table(name, *(column(c.name, c.type) for c in event.columns)) for name in ("standing_vote", "current_vote")
 )
 open_item = table("open_item", column("volunteer", Text()), column("item_id", Text()), column("round", Integer()))
+tally = table(
+    "tally", column("item_id", Text()), column("votes", Integer()), column("correct", Integer()), column("wrong", Integer())
+)
 wanted = table(
     "wanted", column("item_id", Text()), column("role", Text()), column("open", Integer()), column("disputed", Integer())
 )

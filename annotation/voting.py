@@ -3,7 +3,7 @@
 What a volunteer's screen gets from here names items alone: no method, parameter, score or vote of anybody else.
 """
 
-import hashlib
+import heapq
 import json
 import re
 import statistics
@@ -12,7 +12,7 @@ import uuid
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
-from sqlalchemy import Connection, Row, func, insert, select
+from sqlalchemy import Connection, Row, func, insert, select, update
 
 from engine.errors import BadInput, BadParameter
 
@@ -21,7 +21,11 @@ from .handle import StudyHandle
 from .majority import ANSWERS, Majority, majorities
 from .proposals import canonical
 from .records import Item, OpenItem, Practice, Volunteer, Vote, VotingProgress
+from .sampling import draw
 from .stamps import app_version, now
+from .tombstones import refuse_forgotten
+
+LEAD = 5  # of the first items of a volunteer none is gold
 
 _events, _current = schema.event.c, schema.current_vote.c
 
@@ -34,15 +38,46 @@ def checked_code(code: str) -> str:
     return found
 
 
+def own_code(handle: StudyHandle, code: str) -> str:
+    """The code as `checked_code` gives it; raises `BadInput` where the study is open for another volunteer alone."""
+    found = checked_code(code)
+    if handle.volunteer not in (None, found):
+        raise BadInput(f"{handle.where} is for volunteer {handle.volunteer} alone, not for {found}; open it with that code.")
+    return found
+
+
 def volunteer(handle: StudyHandle, code: str) -> Volunteer:
     """The volunteer of that code, made on first use."""
-    code = checked_code(code)
+    code = own_code(handle, code)
     with handle.reading() as connection:
         row = connection.execute(select(schema.volunteer).where(schema.volunteer.c.code == code)).first()
     if row is not None:
         return _voter(row)
     with handle.writing() as connection:
         return _volunteer(connection, code)
+
+
+def known_volunteer(handle: StudyHandle, code: str) -> Volunteer:
+    """The volunteer of a code that must be there; raises `BadInput` with those that are."""
+    code, known = checked_code(code), volunteers(handle)
+    for one in known:
+        if one.code == code:
+            return one
+    codes = ", ".join(one.code for one in known[:10]) + (", …" if len(known) > 10 else "")
+    raise BadInput(f"{handle.where} has no volunteer {code!r}; it has {codes or 'none yet'}.")
+
+
+def make_adjudicator(handle: StudyHandle, code: str, *, adjudicates: bool = True) -> Volunteer:
+    """The volunteer of that code, made if new, as one who is asked about unresolved items alone (or no longer so).
+
+    Adjudicators see what volunteers see: nothing of who proposed a match or what others answered.
+    """
+    code = checked_code(code)
+    with handle.writing() as connection:
+        found = _volunteer(connection, code)
+        same = schema.volunteer.c.code == code
+        connection.execute(update(schema.volunteer).where(same).values(adjudicates=int(adjudicates)))
+        return Volunteer(code, found.seed, adjudicates)
 
 
 def volunteers(handle: StudyHandle) -> tuple[Volunteer, ...]:
@@ -69,7 +104,7 @@ def record_vote(
     An earlier answer of the same volunteer to the same item stays in the log and is superseded. Raises `BadParameter`
     for an unknown answer or a bad code, `BadInput` for an unknown item or a file that cannot be written.
     """
-    code = checked_code(volunteer_code)
+    code = own_code(handle, volunteer_code)
     with handle.writing() as connection:
         _volunteer(connection, code)
         return _vote_on(
@@ -85,7 +120,7 @@ def record_votes(
 
     For answers that no person gives one by one, such as those of a known truth.
     """
-    code = checked_code(volunteer_code)
+    code = own_code(handle, volunteer_code)
     with handle.writing() as connection:
         _volunteer(connection, code)
         return tuple(
@@ -100,7 +135,7 @@ def undo_vote(handle: StudyHandle, volunteer_code: str) -> str | None:
     The retraction is an event of its own. An answer that the retracted one had replaced stands again. May be called
     as often as there are votes.
     """
-    code, standing = checked_code(volunteer_code), schema.standing_vote.c
+    code, standing = own_code(handle, volunteer_code), schema.standing_vote.c
     newest_first = (standing.clock.desc(), standing.created_at.desc(), standing.uuid.desc())
     with handle.writing() as connection:
         last = connection.execute(
@@ -120,7 +155,7 @@ def items(handle: StudyHandle, volunteer_code: str) -> tuple[Item, ...]:
     seed = volunteer(handle, volunteer_code).seed
     with handle.reading() as connection:
         rows = connection.execute(select(schema.item)).all()
-    return tuple(_item(row) for row in sorted(rows, key=lambda row: _draw(seed, "order", row.id)))
+    return tuple(_item(row) for row in sorted(rows, key=lambda row: draw(seed, "order", row.id)))
 
 
 def ordered_ids(handle: StudyHandle, volunteer_code: str) -> tuple[str, ...]:
@@ -128,7 +163,7 @@ def ordered_ids(handle: StudyHandle, volunteer_code: str) -> tuple[str, ...]:
     seed = volunteer(handle, volunteer_code).seed
     with handle.reading() as connection:
         ids = connection.scalars(select(schema.item.c.id)).all()
-    return tuple(sorted(ids, key=lambda item_id: _draw(seed, "order", item_id)))
+    return tuple(sorted(ids, key=lambda item_id: draw(seed, "order", item_id)))
 
 
 def item(handle: StudyHandle, item_id: str) -> Item:
@@ -148,7 +183,7 @@ def open_items(handle: StudyHandle, volunteer_code: str) -> tuple[OpenItem, ...]
     voter, view = volunteer(handle, volunteer_code), schema.open_item.c
     with handle.reading() as connection:
         rows = connection.execute(select(view.item_id, view.round).where(view.volunteer == voter.code)).all()
-    return tuple(sorted((OpenItem(*row) for row in rows), key=lambda o: (o.round, _draw(voter.seed, "order", o.item_id))))
+    return tuple(sorted((OpenItem(*row) for row in rows), key=lambda o: (o.round, draw(voter.seed, "order", o.item_id))))
 
 
 def practice(handle: StudyHandle) -> dict[str, Practice]:
@@ -158,16 +193,16 @@ def practice(handle: StudyHandle) -> dict[str, Practice]:
     return {row.item_id: Practice(row.answer, row.reason) for row in rows}
 
 
-def next_item(handle: StudyHandle, volunteer_code: str, *, skipped: Collection[str] = ()) -> Item | None:
-    """The first item to be asked; those `skipped` come back at the end; None when done."""
-    left = open_items(handle, volunteer_code)
-    chosen = min(left, key=lambda one: one.item_id in skipped, default=None)
+def next_item(handle: StudyHandle, volunteer_code: str, *, skipped: Sequence[str] = ()) -> Item | None:
+    """The first item to be asked; those `skipped` come back at the end, in the order given; None when done."""
+    left, last = open_items(handle, volunteer_code), {item_id: place for place, item_id in enumerate(skipped)}
+    chosen = min(left, key=lambda one: last.get(one.item_id, -1), default=None)
     return None if chosen is None else item(handle, chosen.item_id)
 
 
 def sides_swapped(voter: Volunteer, item_id: str) -> bool:
     """Whether this volunteer sees the target on the left: drawn once by the seed, the same at every showing."""
-    return int(_draw(voter.seed, "side", item_id), 16) % 2 == 1
+    return int(draw(voter.seed, "side", item_id), 16) % 2 == 1
 
 
 def progress(handle: StudyHandle, volunteer_code: str) -> VotingProgress:
@@ -180,8 +215,10 @@ def progress(handle: StudyHandle, volunteer_code: str) -> VotingProgress:
 
 
 def seconds_each(milliseconds: Sequence[int]) -> float | None:
-    """Median of the last 20 times, pauses cut at 60 s; None without any."""
-    return statistics.median(min(ms, 60_000) for ms in milliseconds[-20:]) / 1000 if milliseconds else None
+    """Median of the last 20 times, pauses cut at 60 s; None without any. Less than none, as of a clock that was set
+    back, is not known."""
+    known = [ms for ms in milliseconds if ms >= 0][-20:]
+    return statistics.median(min(ms, 60_000) for ms in known) / 1000 if known else None
 
 
 def current_votes(
@@ -213,10 +250,51 @@ def majority(handle: StudyHandle, *, round: int = 1) -> dict[str, Majority]:
 def _volunteer(connection: Connection, code: str) -> Volunteer:
     found = connection.execute(select(schema.volunteer).where(schema.volunteer.c.code == code)).first()
     if found is None:
-        seed = _draw(str(connection.scalar(select(schema.study.c.seed))), "volunteer", code)
+        refuse_forgotten(connection, code)
+        seed = _fresh_seed(connection, code, *_queue(connection, code))
         connection.execute(insert(schema.volunteer).values(code=code, seed=seed, created_at=now()))
         return Volunteer(code, seed)
     return _voter(found)
+
+
+def settle_seeds(connection: Connection) -> None:
+    """Draw the seeds of those who have not voted yet anew, so that no gold item comes first in what they are asked.
+
+    To be called when gold items or packets were added; a volunteer who is new later gets such a seed at once.
+    """
+    voted = select(_events.volunteer)
+    waiting = connection.execute(select(schema.volunteer).where(schema.volunteer.c.code.not_in(voted))).all()
+    for row in waiting:
+        seed = _fresh_seed(connection, row.code, *_queue(connection, row.code))
+        if seed != row.seed:
+            connection.execute(update(schema.volunteer).where(schema.volunteer.c.code == row.code).values(seed=seed))
+
+
+def _queue(connection: Connection, code: str) -> tuple[set[str], set[str]]:
+    """The items that a volunteer may be asked, practice apart, and the gold ones of these; nothing without gold ones."""
+    asked, packet = schema.asked.c, schema.assignment.c
+    gold = set(connection.scalars(select(asked.item_id).where(asked.role == "gold")))
+    if not gold:
+        return set(), set()
+    handed = set(connection.scalars(select(packet.item_id).where(packet.volunteer == code)))
+    items = handed or set(connection.scalars(select(asked.item_id).where(asked.role != "practice")))
+    return items, gold & items
+
+
+def _fresh_seed(connection: Connection, code: str, items: Collection[str], gold: Collection[str]) -> str:
+    """The seed of a volunteer: the first of a sequence under which none of the first `LEAD` items is gold.
+
+    So the first one is not, even where others have settled some of them before. Where there are so many gold items that
+    this asks too much, the very first one is not.
+    """
+    base = str(connection.scalar(select(schema.study.c.seed)))
+    for lead, tries in ((LEAD, 50), (1, 1000)) if len(gold) < len(items) else ():
+        for count in range(tries):
+            seed = draw(base, "volunteer", f"{code}\n{count}" if count else code)
+            first = heapq.nsmallest(lead, items, key=lambda item_id: draw(seed, "order", item_id))
+            if not any(item_id in gold for item_id in first):
+                return seed
+    return draw(base, "volunteer", code)
 
 
 def _voter(row: Row[Any]) -> Volunteer:
@@ -244,11 +322,6 @@ def _append(connection: Connection, **values: Any) -> Vote:
     stamped = {"uuid": str(uuid.uuid4()), "clock": last + 1, "app_version": app_version(), "created_at": now()}
     row = connection.execute(insert(schema.event).values(**values, **stamped).returning(schema.event)).one()
     return _vote(row)
-
-
-def _draw(seed: str, purpose: str, of: str) -> str:
-    """A reproducible random number, as hexadecimal digits."""
-    return hashlib.sha256(f"{seed}\n{purpose}\n{of}".encode()).hexdigest()
 
 
 def _item(row: Row[Any]) -> Item:

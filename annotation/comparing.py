@@ -15,9 +15,11 @@ from .precision import (
     Proposed,
     Weights,
     by_pair,
+    counted,
     grouped,
     items_by_pair,
     tabulate,
+    without,
 )
 
 Method = tuple[str, str]
@@ -110,13 +112,16 @@ def leave_one_out(
     results: Sequence[Proposed], votes: Sequence[Ballot], weights: Weights | None = None
 ) -> tuple[LeftOut, ...]:
     """The range of every row's precision when each volunteer in turn is left out; none with a single volunteer."""
-    volunteers = sorted({vote.volunteer for vote in votes})
-    if len(volunteers) < 2:
+    own: dict[str, list[Ballot]] = {}
+    for vote in votes:
+        own.setdefault(vote.volunteer, []).append(vote)
+    if len(own) < 2:
         return ()
-    without = [tabulate(results, [v for v in votes if v.volunteer != code], weights) for code in volunteers]
+    cast = counted(votes)
+    left = {code: tabulate(results, without(cast, own[code]), weights) for code in sorted(own)}
     return tuple(
-        _left_out(row, {code: rows[k].micro for code, rows in zip(volunteers, without, strict=True)})
-        for k, row in enumerate(tabulate(results, votes, weights))
+        _left_out(row, {code: rows[k].micro for code, rows in left.items()})
+        for k, row in enumerate(tabulate(results, cast, weights))
     )
 
 

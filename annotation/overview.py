@@ -9,6 +9,7 @@ from sqlalchemy import func, select
 
 from . import schema
 from .agreement import VolunteerAgreement, volunteer_agreement
+from .flags import GoldRecord, gold_failures
 from .handle import StudyHandle
 from .precision import Ballot
 
@@ -16,8 +17,6 @@ LONGEST_MS = 60_000  # a pause is cut there
 FAST = 3.0  # so many times faster than the median of the others is told
 LEAST_TIMED = 10
 LEAST_SAME = 10  # so many equal answers and no other one are told
-LEAST_GOLD = 3
-WORST_GOLD = 0.25  # a larger share of gold items wrong is told, from LEAST_GOLD items on
 
 
 class VolunteerRow(NamedTuple):
@@ -45,22 +44,22 @@ class VolunteerRow(NamedTuple):
 
 def overview(handle: StudyHandle) -> tuple[VolunteerRow, ...]:
     """Everybody who has a code, in its order."""
-    vote, asked, open_ = schema.current_vote.c, schema.asked.c, schema.open_item.c
+    vote, open_ = schema.current_vote.c, schema.open_item.c
     with handle.reading() as connection:
         people = connection.execute(select(schema.volunteer).order_by(schema.volunteer.c.code)).all()
         votes = connection.execute(
             select(vote.item_id, vote.volunteer, vote.answer, vote.comment, vote.shown_ms, vote.active_ms, vote.created_at)
             .where(vote.round == 1).order_by(vote.volunteer, vote.clock)
         ).all()  # fmt: skip
-        gold = {row.item_id: row.answer for row in connection.execute(select(asked.item_id, asked.answer).where(asked.role == "gold"))}
         left = connection.execute(
             select(open_.volunteer, func.count()).where(open_.round == 1).group_by(open_.volunteer)
         ).all()
+    gold = {record.volunteer: record for record in gold_failures(handle)}
     return overview_rows(people, votes, gold, {row[0]: row[1] for row in left})
 
 
 def overview_rows(
-    people: Sequence[Any], votes: Sequence[Any], gold: Mapping[str, str], left: Mapping[str, int]
+    people: Sequence[Any], votes: Sequence[Any], gold: Mapping[str, GoldRecord], left: Mapping[str, int]
 ) -> tuple[VolunteerRow, ...]:
     """The rows of volunteers under their current votes; pure."""
     own: dict[str, list[Any]] = {person.code: [] for person in people}
@@ -70,24 +69,24 @@ def overview_rows(
     paces = {code: _times(given) for code, given in own.items()}
     medians = {code: statistics.median(times) for code, times in paces.items() if len(times) >= LEAST_TIMED}
     return tuple(
-        _row(person, own[person.code], paces[person.code], medians, left.get(person.code, 0), gold, beside.get(person.code))
+        _row(person, own[code], paces[code], medians, left.get(code, 0), gold.get(code), beside.get(code))
         for person in people
+        if (code := person.code)
     )
 
 
 def _row(
     person: Any, votes: Sequence[Any], times: Sequence[int], medians: Mapping[str, float], left: int,
-    gold: Mapping[str, str], beside: VolunteerAgreement | None,
+    gold: GoldRecord | None, beside: VolunteerAgreement | None,
 ) -> VolunteerRow:  # fmt: skip
     count, stamps = Counter(vote.answer for vote in votes), sorted(vote.created_at for vote in votes)
-    known = [vote.answer == gold[vote.item_id] for vote in votes if vote.item_id in gold]
     others = [pace for code, pace in medians.items() if code != person.code]
-    flags = (*_gold(known), *_fast(medians.get(person.code), others), *_same(count))
+    flags = (*_failed(gold), *_fast(medians.get(person.code), others), *_same(count))
     return VolunteerRow(
         person.code, bool(person.adjudicates), len(votes), left, sum(bool(vote.comment) for vote in votes),
         count["unsure"] / len(votes) if votes else None, statistics.median(times) / 1000 if times else None,
         stamps[0] if stamps else "", stamps[-1] if stamps else "", beside.with_majority if beside else None,
-        sum(known), len(known) - sum(known), flags,
+        gold.right if gold else 0, gold.wrong if gold else 0, flags,
     )  # fmt: skip
 
 
@@ -96,10 +95,8 @@ def _times(votes: Iterable[Any]) -> list[int]:
     return [min(ms, LONGEST_MS) for ms in spent if ms is not None]
 
 
-def _gold(right: Sequence[bool]) -> tuple[str, ...]:
-    wrong = len(right) - sum(right)
-    failed = len(right) >= LEAST_GOLD and wrong > WORST_GOLD * len(right)
-    return (f"fails gold items: {wrong} of {len(right)} wrong",) if failed else ()
+def _failed(gold: GoldRecord | None) -> tuple[str, ...]:
+    return (f"fails gold items: {gold.wrong} of {gold.judged} wrong",) if gold and gold.flagged else ()
 
 
 def _fast(pace: float | None, others: Sequence[float]) -> tuple[str, ...]:

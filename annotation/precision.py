@@ -18,7 +18,7 @@ from engine.evaluation.intervals import Interval, clustered_interval, weighted_i
 
 from . import schema
 from .handle import StudyHandle
-from .majority import Majority, majority_of
+from .majority import ANSWERS, Majority, majority_of, verdict
 
 ALL_SETS = "(all)"
 GUIDED = "(guided)"
@@ -140,12 +140,23 @@ def sample(handle: StudyHandle) -> dict[str, float] | None:
 
 def counted(votes: Iterable[Ballot]) -> dict[str, Cast]:
     """The votes by item; items without a vote are not in it."""
-    answers: dict[str, list[str]] = {}
-    voters: dict[str, set[str]] = {}
+    given: dict[str, dict[str, str]] = {}
     for item, volunteer, answer in votes:
-        answers.setdefault(item, []).append(answer)
-        voters.setdefault(item, set()).add(volunteer)
-    return {item: Cast(majority_of(given), frozenset(voters[item])) for item, given in answers.items()}
+        given.setdefault(item, {})[volunteer] = answer
+    return {item: Cast(majority_of(answers.values()), frozenset(answers)) for item, answers in given.items()}
+
+
+def without(cast: Mapping[str, Cast], votes: Iterable[Ballot]) -> dict[str, Cast]:
+    """The same votes but for these."""
+    left = dict(cast)
+    for item, volunteer, answer in votes:
+        count = {name: getattr(left[item].majority, name) - (name == answer) for name in ANSWERS}
+        voters = left[item].voters - {volunteer}
+        if voters:
+            left[item] = Cast(Majority(**count, verdict=verdict(count["correct"], count["wrong"])), voters)
+        else:
+            del left[item]
+    return left
 
 
 def tabulate(
@@ -245,10 +256,10 @@ def by_pair(pairs: Iterable[Iterable[str]], cast: Mapping[str, Cast], weights: W
     for items in pairs:
         correct = decided = squares = 0.0
         for item in items:
-            verdict = cast[item].majority.verdict if item in cast else "unjudged"
+            said = cast[item].majority.verdict if item in cast else "unjudged"
             weight = 1.0 if weights is None else weights.get(item, 0.0)
-            if verdict in ("correct", "wrong"):
-                correct += weight * (verdict == "correct")
+            if said in ("correct", "wrong"):
+                correct += weight * (said == "correct")
                 decided += weight
                 squares += weight * weight
         found.append(PairShare(correct, decided, squares))

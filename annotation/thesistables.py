@@ -1,13 +1,14 @@
 """A study's votes as the thesis's Tables 3.1 and 3.2 take them."""
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 
 from engine.errors import BadInput
 from engine.evaluation.tables import Table
 from engine.evaluation.thesis_tables import SetPrecision
 
-from .precision import ALL_SETS, Proposed, ballots, precision_table, proposed
+from .precision import ALL_SETS, PrecisionRow, Proposed, ballots, proposed, sample, tabulate
 from .study import open_study
 from .tabletext import as_table, row_name
 
@@ -22,24 +23,32 @@ def voted_precision(path: Path) -> tuple[list[SetPrecision], Table] | None:
     file = path / NAME_IN_FOLDER if path.is_dir() else path
     if not file.is_file():
         return None
-    with open_study(file, backup=False) as handle:
-        results, votes = proposed(handle), ballots(handle)
-        layers: dict[tuple[str, str, str], set[int]] = {}
-        for result in results:
-            layers.setdefault(result[:3], set()).update(_layers(result))
-        rows = [row for row in precision_table(handle) if row.set_name == ALL_SETS or layers.get(row[:3])]
+    with open_study(file, backup=False, writable=False) as handle:
+        results, votes, weights = proposed(handle), ballots(handle), sample(handle)
+    layers = _layers(results)
+    rows = [row for row in tabulate(results, votes, weights) if row.set_name == ALL_SETS or layers.get(row[:3])]
     if not rows:
         raise BadInput(f"The study {file} holds no results of shapes; add some with `concord study add`.")
-    found = [
+    return set_precisions(results, rows), as_table(rows, votes)
+
+
+def set_precisions(results: Iterable[Proposed], rows: Iterable[PrecisionRow]) -> list[SetPrecision]:
+    """What such a table shows of each row of a set: its precision, its pairs, and the layers of its shapes."""
+    layers = _layers(results)
+    return [
         SetPrecision(row_name(row), row.set_name or "–", float("nan") if row.micro is None else row.micro, row.pairs,
                      next(iter(layers[row[:3]])) if len(layers[row[:3]]) == 1 else 0)
         for row in rows
         if row.set_name != ALL_SETS
     ]  # fmt: skip
-    return found, as_table(rows, votes)
 
 
-def _layers(result: Proposed) -> list[int]:
-    """The number of layers that a result of shapes was made with; nothing for puzzles."""
-    layers = json.loads(result.parameters).get("layers")
-    return [layers] if isinstance(layers, int) else []
+def _layers(results: Iterable[Proposed]) -> dict[tuple[str, str, str], set[int]]:
+    """The numbers of layers that results were made with, by method, preset and set; nothing for puzzles."""
+    found: dict[tuple[str, str, str], set[int]] = {}
+    for result in results:
+        layers = json.loads(result.parameters).get("layers")
+        found.setdefault((result.method, result.preset, result.set_name), set()).update(
+            [layers] if isinstance(layers, int) else []
+        )
+    return found

@@ -26,6 +26,11 @@ class SetPrecision(NamedTuple):
 
 def thesis_table(number: str, found: Sequence[SetPrecision]) -> Table:
     """The table as the thesis has it: a row a set, a column a method, pairs and layers, and the average below."""
+    return set_table(TITLES[number], found)
+
+
+def set_table(title: str, found: Sequence[SetPrecision], digits: int = 1) -> Table:
+    """The same for other sets; `digits` are those of the averages."""
     methods = list(dict.fromkeys(f.method for f in found))
     sets = list(dict.fromkeys(f.set_name for f in found))
     cell = {(f.method, f.set_name): f for f in found}
@@ -34,16 +39,16 @@ def thesis_table(number: str, found: Sequence[SetPrecision]) -> Table:
         mine = [cell[method, name] for method in methods if (method, name) in cell]
         shown = [_percent(cell[m, name].precision) if (m, name) in cell else NOTHING for m in methods]
         rows.append((name, *shown, _equal([f.pairs for f in mine]), _equal([f.layers for f in mine]) if mine[0].layers else NOTHING))
-    averages = [_average([f for f in found if f.method == method]) for method in methods]
-    return Table(TITLES[number], ("set", *methods, "pairs", "layers"), [*rows, ("average", *averages, "", "")], 1, REMARK)
+    averages = [_average([f for f in found if f.method == method], digits) for method in methods]
+    return Table(title, ("set", *methods, "pairs", "layers"), [*rows, ("average", *averages, "", "")], 1, REMARK)
 
 
-def _average(found: Sequence[SetPrecision]) -> str:
+def _average(found: Sequence[SetPrecision], digits: int) -> str:
     known = [f for f in found if not math.isnan(f.precision) and f.pairs]
     if not known:
         return NOTHING
     mean, spread = thesis_average([100 * f.precision for f in known], [f.pairs for f in known])
-    return f"{mean:.1f} %" if math.isnan(spread) else f"{mean:.1f} % ({spread:.1f})"
+    return f"{mean:.{digits}f} %" if math.isnan(spread) else f"{mean:.{digits}f} % ({spread:.{digits}f})"
 
 
 def _percent(share: float) -> str:

@@ -63,10 +63,10 @@ class StudyServer:
             connection.exec_driver_sql(f"ALTER TABLE concord.event ENABLE ALWAYS TRIGGER {serverrules.NEVER_CHANGED}")
 
     def purge(self) -> None:
-        """Leave nothing of removed rows on the server's disk but in its backups."""
+        """Write the tables anew, so that the server's files hold nothing of what was removed (its backups may)."""
         with _told(self.where, self.volunteer), self._engine.connect() as connection:
             connection.execution_options(isolation_level="AUTOCOMMIT")
-            connection.exec_driver_sql("VACUUM FULL concord.event, concord.volunteer, concord.assignment")
+            connection.exec_driver_sql(f"VACUUM FULL {', '.join(f'concord.{name}' for name in schema.metadata.tables)}")
 
     def close(self) -> None:
         self._engine.dispose()

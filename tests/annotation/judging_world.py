@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from annotation.study import StudyFile, add_result, create_study
+from annotation.study import StudyHandle, add_result, create_study
 from engine.shapes.identity import match_id
 from engine.shapes.parameters import MatchParameters
 from engine.shapes.result import MatchResult, ShapeRecord
@@ -49,7 +49,7 @@ def result(
 ONE_TO_ONE = (((0,), (0,)), ((1,), (1,)), ((2,), (2,)))
 
 
-def study_of(path: Path, *results: MatchResult, set_name: str = "") -> StudyFile:
+def study_of(path: Path | str, *results: MatchResult, set_name: str = "") -> StudyHandle:
     handle = create_study(path, name="Lamps", seed="seed")
     for one in results or (result(*ONE_TO_ONE),):
         add_result(handle, one, set_name=set_name)

@@ -36,10 +36,15 @@ class Server(NamedTuple):
             cursor = connection.execute(statement)
             return cursor.fetchall() if cursor.description else []
 
+    @property
+    def version(self) -> int:
+        return int(self.sql("SHOW server_version_num")[0][0])
+
     def database(self) -> str:
-        """The address of a new, empty database."""
+        """The address of a new, empty database that sorts as English does, unlike a study."""
         name = f"study_{uuid.uuid4().hex[:12]}"
-        self.sql(f"CREATE DATABASE {name}")
+        sorting = "TEMPLATE template0 LOCALE_PROVIDER icu ICU_LOCALE 'en-US'" if self.version >= 150000 else ""
+        self.sql(f"CREATE DATABASE {name} {sorting}")
         return self.url(name)
 
     def control(self, *arguments: str) -> None:

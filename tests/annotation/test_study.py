@@ -14,7 +14,13 @@ FOOT, STEM, SHADE = (identity(LAMP, one, VASE, other) for one, other in ONE_TO_O
 
 
 @pytest.fixture
-def handle(tmp_path):
+def handle(place):
+    with study_of(place) as opened:
+        yield opened
+
+
+@pytest.fixture
+def on_file(tmp_path):
     with study_of(tmp_path / "lamps.db") as opened:
         yield opened
 
@@ -23,10 +29,10 @@ def reversed_result():
     return result(*((b, a) for a, b in ONE_TO_ONE), source=VASE, target=LAMP, preset="thesis-rigid")
 
 
-def test_a_study_remembers_what_it_was_made_with(tmp_path):
-    with study.create_study(tmp_path / "a.db", name=" Vases ", question="Same part?", seed="7") as made:
+def test_a_study_remembers_what_it_was_made_with(place):
+    with study.create_study(place, name=" Vases ", question="Same part?", seed="7") as made:
         first = study.about(made)
-    with study.open_study(tmp_path / "a.db") as opened:
+    with study.open_study(place) as opened:
         assert study.about(opened) == first
     assert (first.name, first.question, first.seed, dict(first.settings)) == ("Vases", "Same part?", "7", {})
 
@@ -89,11 +95,11 @@ def test_items_without_a_run_can_be_judged(handle):
         study.add_items(handle, [study.Item("x", "song", {})])
 
 
-def test_a_vote_is_there_for_another_reader_at_once(handle):
+def test_a_vote_is_there_for_another_reader_at_once(handle, place):
     vote = study.record_vote(
         handle, FOOT, "anna", "unsure", comment="dark", shown_ms=900, active_ms=800, presentation={"left": "target"}
     )
-    with study.open_study(handle.path) as other:
+    with study.open_study(place) as other:
         assert study.current_votes(other) == (vote,)
     assert (vote.answer, vote.comment, vote.shown_ms, vote.active_ms, vote.clock) == ("unsure", "dark", 900, 800, 1)
     assert vote.presentation == {"left": "target"}
@@ -233,14 +239,14 @@ def test_good_codes_are_taken(handle):
     assert len(study.volunteers(handle)) == 4
 
 
-def test_unknown_answers_and_items_are_refused_and_leave_nothing(handle):
+def test_unknown_answers_and_items_are_refused_and_leave_nothing(handle, tmp_path):
     with pytest.raises(BadParameter, match="'yes' is no answer"):
         study.record_vote(handle, FOOT, "anna", "yes")
     with pytest.raises(BadInput, match="no item nowhere"):
         study.record_vote(handle, "nowhere", "anna", "correct")
     assert study.volunteers(handle) == ()
     with pytest.raises(BadParameter, match="name"):
-        study.create_study(handle.path.with_name("b.db"), name=" ")
+        study.create_study(tmp_path / "b.db", name=" ")
 
 
 @pytest.mark.parametrize(
@@ -252,14 +258,14 @@ def test_unknown_answers_and_items_are_refused_and_leave_nothing(handle):
         " shown_ms, active_ms, presentation, app_version, created_at FROM event",
     ],
 )
-def test_the_log_of_votes_cannot_be_changed(handle, statement):
+def test_the_log_of_votes_cannot_be_changed(on_file, statement):
     """Not even by another program, which sets none of Concord's switches."""
-    study.record_vote(handle, FOOT, "anna", "correct")
-    other = sqlite3.connect(handle.path)
+    study.record_vote(on_file, FOOT, "anna", "correct")
+    other = sqlite3.connect(on_file.path)
     with pytest.raises(sqlite3.IntegrityError, match="only ever added"):
         other.execute(statement)
     other.close()
-    assert study.answers(handle, "anna") == {FOOT: "correct"}
+    assert study.answers(on_file, "anna") == {FOOT: "correct"}
 
 
 @pytest.mark.parametrize(
@@ -272,9 +278,9 @@ def test_the_log_of_votes_cannot_be_changed(handle, statement):
         "'u', 'vote', 'nowhere', 'anna', 1, 'wrong', '', NULL, 1",
     ],
 )
-def test_the_tables_refuse_nonsense(handle, values):
-    study.volunteer(handle, "anna")
-    other = sqlite3.connect(handle.path)
+def test_the_tables_refuse_nonsense(on_file, values):
+    study.volunteer(on_file, "anna")
+    other = sqlite3.connect(on_file.path)
     other.execute("PRAGMA foreign_keys=ON")
     with pytest.raises(sqlite3.IntegrityError):
         other.execute(

@@ -1,0 +1,28 @@
+"""Where studies lie: laws hold on a file and on a server alike."""
+
+from collections.abc import Iterator
+
+import pytest
+from postgres_server import Server, Unavailable, running
+
+
+@pytest.fixture(scope="session")
+def server() -> Iterator[Server]:
+    """A PostgreSQL server for all tests; skips where its programs are missing."""
+    try:
+        with running() as started:
+            yield started
+    except Unavailable as error:
+        pytest.skip(f"no PostgreSQL server for tests: {error}")
+
+
+@pytest.fixture
+def database(server) -> str:
+    """The address of an empty database, as the superuser."""
+    return server.database()
+
+
+@pytest.fixture(params=["file", "server"])
+def place(request, tmp_path) -> str:
+    """Where a new study may be made: once on a file, once on a server."""
+    return str(tmp_path / "lamps.db") if request.param == "file" else request.getfixturevalue("database")

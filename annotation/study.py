@@ -66,6 +66,7 @@ __all__ = [
     "answers",
     "create_study",
     "current_votes",
+    "is_url",
     "item",
     "items",
     "majority",

@@ -5,13 +5,17 @@ from typing import Literal, NamedTuple
 
 from sqlalchemy import select
 
+from engine.evaluation.thesis_tables import SetPrecision
+
 from . import schema
 from .agreement import AgreementRow, VolunteerAgreement, agreement_rows, overlapped_items, volunteer_agreement
 from .comparing import Compared, LeftOut, Modelled, compared, leave_one_out, modelled
 from .dawidskene import DawidSkene, dawid_skene
+from .flags import evenness
 from .handle import StudyHandle
 from .majority import Majority
 from .precision import Ballot, Cast, PrecisionRow, Proposed, Weights, ballots, counted, proposed, sample, tabulate
+from .thesistables import set_precisions
 
 Preset = Literal["modern", "thesis"]
 MOST_DISPUTED = 24
@@ -34,7 +38,8 @@ class Findings(NamedTuple):
     `rows` are the methods with fixed parameters, `chosen` those in whose parameters or results votes, wishes or a truth had
     a part: they are reported apart. `compared` has every two methods, `left_out` a line for each of `rows` and `chosen`,
     `modelled` the same under Dawid and Skene's `model` (None with fewer than three volunteers), `disputed` the most
-    divided matches, most divided first. `adaptive` says that further votes were asked only where the first ones differ.
+    divided matches, most divided first, `sets` what the thesis's tables show of `rows`. `adaptive` says that further votes
+    were asked only where the first ones differ.
     """
 
     study: str
@@ -48,6 +53,7 @@ class Findings(NamedTuple):
     modelled: tuple[Modelled, ...]
     model: DawidSkene | None
     disputed: tuple[Disputed, ...]
+    sets: tuple[SetPrecision, ...]
     adaptive: bool
 
 
@@ -92,11 +98,13 @@ def worked_out(votes: Votes, *, preset: Preset = "modern", chosen: Collection[st
     items = frozenset[str]().union(*sets.values())
     mine = [vote for vote in votes.ballots if vote.item in items]
     rows, model = tabulate(results, cast, votes.weights, chosen), dawid_skene(mine)
+    fixed = tuple(r for r in rows if not r.chosen)
     return Findings(
-        votes.study, preset, tuple(r for r in rows if not r.chosen), tuple(r for r in rows if r.chosen),
+        votes.study, preset, fixed, tuple(r for r in rows if r.chosen),
         agreement_rows(mine, votes.overlapped & items, sets), volunteer_agreement(mine), compared(results, cast, votes.weights),
         leave_one_out(results, mine, votes.weights), modelled(results, rows, model, votes.weights), model,
-        disputed(votes, {item: cast[item] for item in items if item in cast}), votes.adaptive,
+        disputed(votes, {item: cast[item] for item in items if item in cast}), tuple(set_precisions(results, fixed)),
+        votes.adaptive,
     )  # fmt: skip
 
 
@@ -111,17 +119,12 @@ def items_of_sets(results: Iterable[Proposed]) -> dict[str, set[str]]:
 def disputed(votes: Votes, cast: Mapping[str, Cast], most: int = MOST_DISPUTED) -> tuple[Disputed, ...]:
     """The matches with votes for and against, the most evenly divided and most voted on first."""
     divided = {item: one.majority for item, one in cast.items() if one.majority.correct and one.majority.wrong}
-    order = sorted(divided, key=lambda item: (*_evenness(divided[item]), item))[:most]
+    order = sorted(divided, key=lambda item: (evenness(divided[item]), -sum(divided[item][:2]), item))[:most]
     sets, pairs = _places(votes.results, frozenset(order))
     return tuple(
         Disputed(item, votes.kinds[item], tuple(sorted(sets[item])), pairs[item], divided[item], votes.comments.get(item, ()))
         for item in order
     )
-
-
-def _evenness(majority: Majority) -> tuple[float, int]:
-    correct, wrong = majority[:2]
-    return abs(correct - wrong) / (correct + wrong), -(correct + wrong)
 
 
 def _places(results: Sequence[Proposed], items: frozenset[str]) -> tuple[dict[str, set[str]], dict[str, str]]:

@@ -72,8 +72,21 @@ def lenient_answers(
     source: SegmentedShape, target: SegmentedShape, source_label: np.ndarray, target_label: np.ndarray, result: MatchResult
 ) -> list[bool]:
     """Whether each match of a result is right by the lenient rule (class overlap of at least one half), best first."""
-    classes = np.unique(np.concatenate([source_label, target_label]))
-    tables = [label_table(shape, label, classes) for shape, label in ((source, source_label), (target, target_label))]
-    h, g = result.source_members @ tables[0], result.target_members @ tables[1]
+    members = result.source_members, result.target_members
+    return (class_overlap((source, target), (source_label, target_label), members) >= 0.5).tolist()
+
+
+def class_overlap(
+    shapes: tuple[SegmentedShape, SegmentedShape], labels: tuple[np.ndarray, np.ndarray], members: tuple[np.ndarray, np.ndarray]
+) -> np.ndarray:
+    """How much of their area the two sides of each match have of the same classes, (p,) float64 in [0, 1].
+
+    `labels` are the class of each face (m,) of the two shapes, `members` the segments of each match's sides (p, s).
+    """
+    classes = np.unique(np.concatenate(labels))
+    h, g = (
+        side @ label_table(shape, label, classes) for shape, label, side in zip(shapes, labels, members, strict=True)
+    )
     p, q = h / h.sum(axis=1, keepdims=True), g / g.sum(axis=1, keepdims=True)
-    return (np.minimum(p, q).sum(axis=1) >= 0.5).tolist()
+    overlap: np.ndarray = np.minimum(p, q).sum(axis=1)
+    return overlap

@@ -11,7 +11,7 @@ from engine.cli import run
 from engine.store import write_atomically
 
 from .exchange import merge as merge_files
-from .exchange import votes_csv
+from .exporting import votes_csv
 from .majority import Answer
 from .resultfile import read_results
 from .server_commands import mount as mount_invitations

@@ -34,6 +34,11 @@ def backups(path: Path) -> list[Path]:
     return sorted(_folder(path).glob(f"{path.name}.2*"))
 
 
+def every_backup(path: Path) -> list[Path]:
+    """All copies, those made before a migration too."""
+    return sorted(_folder(path).glob(f"{path.name}.*"))
+
+
 def back_up(raw: sqlite3.Connection, path: Path, label: str = "") -> Path:
     """Copy the study as it stands to `backups/NAME.TIME`, or `backups/NAME.LABEL.TIME`, staged and renamed."""
     stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%S.%f")

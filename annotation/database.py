@@ -5,13 +5,14 @@ writes), every commit reaches the disk before it returns, and readers never wait
 """
 
 import contextlib
+import json
 import sqlite3
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Self
 
-from sqlalchemy import Connection, Engine, QueuePool, create_engine, event
+from sqlalchemy import Connection, Engine, QueuePool, create_engine, event, select
 from sqlalchemy.exc import DatabaseError, IntegrityError, ProgrammingError
 
 from engine.errors import BadInput
@@ -25,9 +26,10 @@ BUSY_SECONDS = 30.0
 
 
 class StudyFile:
-    """An open study file (see `annotation.handle.StudyHandle`); without `writable` its content stays as it is."""
+    """An open study file (see `annotation.handle.StudyHandle`); without `writable` its content stays as it is.
 
-    volunteer: str | None = None  # anybody may vote
+    In a packet its `volunteer` alone may vote, in a whole study anybody.
+    """
 
     def __init__(
         self,
@@ -44,6 +46,7 @@ class StudyFile:
         self._inode = inode(path)
         self._copy = copy
         self._engine = connectable(copy[0] if copy else path, busy_seconds, options)
+        self.volunteer = self._packet_of()
 
     @property
     def where(self) -> str:
@@ -71,6 +74,24 @@ class StudyFile:
         with self._told(), self._engine.begin() as connection:
             yield connection
 
+    @contextlib.contextmanager
+    def rewriting(self) -> Iterator[Connection]:
+        """As `writing()`, but votes may be changed and removed: for volunteers who asked to be deleted, and no others."""
+        with self.writing() as connection:
+            for trigger in schema.SQLITE_TRIGGERS:
+                connection.exec_driver_sql(f"DROP TRIGGER {trigger.split()[2]}")
+            yield connection
+            for trigger in schema.SQLITE_TRIGGERS:
+                connection.exec_driver_sql(trigger)
+
+    def purge(self) -> None:
+        """Write the whole file anew and empty its log, so that nothing of what was removed can be read from them."""
+        with self._told(), _raw(self.path, self.busy_seconds) as raw:
+            raw.execute("VACUUM")
+            if raw.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()[0]:
+                raise BadInput(f"{self.path} is being read by another program, so what was removed is still in its log; "
+                               "close it there and do this again.")  # fmt: skip
+
     def close(self) -> None:
         self._engine.dispose()
         if self._copy is not None:
@@ -81,6 +102,17 @@ class StudyFile:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def _packet_of(self) -> str | None:
+        """The volunteer that the file is a packet of."""
+        with self.reading() as connection:
+            row = connection.execute(select(schema.study)).first()
+        try:
+            found = json.loads(row.settings).get("packet") if row is not None else None
+        except (ValueError, AttributeError):
+            raise BadInput(f"{self.path} is damaged (its settings cannot be read); use the newest copy in the folder "
+                           "'backups' beside it.") from None  # fmt: skip
+        return None if found is None else str(found)
 
     @contextlib.contextmanager
     def _told(self) -> Iterator[None]:
@@ -198,7 +230,8 @@ def connectable(path: Path, busy_seconds: float, options: str = "mode=rw") -> En
 
     def connect() -> sqlite3.Connection:
         raw = sqlite3.connect(uri, uri=True, timeout=busy_seconds, isolation_level=None, check_same_thread=False)
-        for pragma in ("foreign_keys=ON", "synchronous=FULL", "trusted_schema=OFF", "recursive_triggers=ON"):
+        for pragma in ("foreign_keys=ON", "synchronous=FULL", "trusted_schema=OFF", "recursive_triggers=ON",
+                       "secure_delete=ON"):  # fmt: skip
             raw.execute(f"PRAGMA {pragma}")
         return raw
 

@@ -1,122 +1,147 @@
-"""Exchange: study files are merged by the union of their events, and votes are exported as CSV."""
+"""Merging: a study takes in another copy of itself, a returned packet or a top-up, in any order, any number of times.
+
+Every table is a set of rows that grows: events are united by their id, and of two rows of one key the greater of a total
+order stays, whichever file it came from. Volunteers who were deleted in one file are deleted from what both make.
+"""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sqlalchemy import Connection, Row, Table, and_, insert, select, update
+from sqlalchemy import Connection, Row, select
+from sqlalchemy.exc import IntegrityError
 
 from engine.errors import BadInput
 
 from . import schema
-from .csvtext import csv_text
+from .forgetting import bury, clean_backups, lay_to_rest
 from .handle import StudyHandle
-from .proposals import canonical
-from .study import about, open_study
+from .study import open_study
+from .tombstones import Tombstone, read_tombstones
+from .uniting import Cells, append, every_row, unite, unite_blobs
 
-VOTE_COLUMNS = (
-    "item", "kind", "volunteer", "round", "answer", "state", "comment", "clock", "shown_ms", "active_ms",
-    "created_at", "uuid", "supersedes", "payload",
-)  # fmt: skip
+_MERGED = (schema.item, schema.run, schema.run_match, schema.volunteer, schema.asked, schema.assignment)
+_OF_A_PACKET = (schema.item, schema.volunteer)
 
 
 class Merged(NamedTuple):
-    """How many rows were new."""
+    """How many rows were new, and how many volunteers were deleted because they are deleted in the other file."""
 
     items: int
     runs: int
     volunteers: int
     events: int
+    forgotten: int = 0
+
+
+class _Content(NamedTuple):
+    """What a study holds, without its shapes."""
+
+    study: Row[Any]
+    tables: dict[str, list[Cells]]
+    events: list[Cells]
+    tombstones: tuple[Tombstone, ...]
+
+    @property
+    def packet(self) -> str | None:
+        """The volunteer that the study is a packet of, None for a whole study."""
+        found = json.loads(self.study.settings).get("packet")
+        return None if found is None else str(found)
 
 
 def merge(path_into: Path | str, path_from: Path | str, *, other_study: bool = False) -> Merged:
-    """Take everything of one study file into another, in one transaction; the file taken from is not changed.
+    """Take everything of one study (a file or a server) into another; see `merge_handles`.
 
-    Merging any files in any order, any number of times, gives the same content. Raises `BadInput` for files of two
-    different studies (unless `other_study`), and for events of one id that differ, which no honest history has.
+    Where that deletes volunteers, they are deleted from the backups of a file too.
     """
-    with open_study(path_from, backup=False) as source, open_study(path_into) as target:
-        ours, theirs = about(target), about(source)
-        if ours.id != theirs.id and not other_study:
-            raise BadInput(
-                f"{path_from} belongs to another study ({theirs.name!r}, not {ours.name!r}); "
-                "merge copies of one study, or say that it is meant to be another."
-            )
-        with source.reading() as connection:
-            tables = (schema.item, schema.run, schema.volunteer, schema.run_match)
-            found = {table.name: connection.execute(select(table)).all() for table in tables}
-            events = connection.execute(select(schema.event).order_by(schema.event.c.clock)).all()
-        with target.writing() as connection:
-            new = {table.name: _unite(connection, table, found[table.name]) for table in tables}
-            return Merged(new["item"], new["run"], new["volunteer"], _append(connection, events, path_from))
+    with open_study(path_from, backup=False, writable=False) as source, open_study(path_into) as target:
+        merged = merge_handles(source, target, other_study=other_study)
+        if merged.forgotten:
+            clean_backups(target)
+        return merged
 
 
-def _unite(connection: Connection, table: Table, rows: Iterable[Row[Any]]) -> int:
-    """Add the rows whose key is new; of two rows with one key the greater stays, whichever file it came from."""
-    keys = [column.name for column in table.primary_key]
-    known = {_key(row, keys): row for row in connection.execute(select(table))}
-    fresh = [dict(row._mapping) for row in rows if _key(row, keys) not in known]
-    for row in rows:
-        ours = known.get(_key(row, keys))
-        if ours is not None and _rank(row) > _rank(ours):
-            same = and_(*(table.c[key] == row._mapping[key] for key in keys))
-            connection.execute(update(table).where(same).values(dict(row._mapping)))
-    if fresh:
-        connection.execute(insert(table), fresh)
-    return len(fresh)
+def merge_handles(source: StudyHandle, target: StudyHandle, *, other_study: bool = False) -> Merged:
+    """Take everything of one study into another, in one transaction; the one taken from is not changed.
+
+    Merging any copies in any order, any number of times, gives the same content. A packet gives its votes alone, and a
+    study that tops up another one goes into that. Raises `BadInput`, and changes nothing, for two different studies
+    (unless `other_study`), a packet of another study, a packet that is to take something in, and events of one id that
+    differ, which no honest history has.
+    """
+    with source.reading() as connection:
+        theirs = _read(connection)
+    with target.reading() as connection:
+        ours = connection.execute(select(schema.study)).one()
+    _check_relation(theirs, ours, source.where, target, other_study)
+    changes = target.rewriting if theirs.tombstones else target.writing
+    try:
+        with changes() as connection:
+            merged = _take(connection, theirs, source)
+    except IntegrityError as error:
+        raise BadInput(f"{source.where} does not hold together ({error.orig}); nothing was taken from it.") from None
+    if merged.forgotten:
+        target.purge()
+    return merged
 
 
-def _key(row: Row[Any], keys: list[str]) -> tuple[Any, ...]:
-    return tuple(row._mapping[key] for key in keys)
-
-
-def _rank(row: Row[Any]) -> tuple[Any, ...]:
-    """A total order on the rows of one key: the latest added first of all, then by content."""
-    content = row._mapping
-    return (content.get("added_at", ""), *((value is not None, value) for value in content.values()))
-
-
-def _append(connection: Connection, events: Iterable[Row[Any]], path: Path | str) -> int:
-    """Add the events that are new, those first that others supersede."""
-    known = {row.uuid: tuple(row) for row in connection.execute(select(schema.event))}
-    fresh = [dict(row._mapping) for row in events if row.uuid not in known]
-    for row in events:
-        if known.get(row.uuid, tuple(row)) != tuple(row):
-            raise BadInput(f"{path} holds another version of event {row.uuid}; one of the two files was tampered with.")
-    if fresh:
-        connection.execute(insert(schema.event), fresh)
-    return len(fresh)
-
-
-def votes_csv(handle: StudyHandle) -> str:
-    """Every vote ever given, one a row; `state` says whether it counts ("current"), was replaced or retracted."""
-    event, item = schema.event, schema.item
-    query = (
-        select(event, item.c.kind.label("item_kind"), item.c.payload)
-        .join_from(event, item, event.c.item_id == item.c.id)
-        .where(event.c.kind == "vote")
-        .order_by(event.c.volunteer, event.c.clock, event.c.uuid)
+def _read(connection: Connection) -> _Content:
+    return _Content(
+        connection.execute(select(schema.study)).one(),
+        {table.name: every_row(connection, table) for table in _MERGED},
+        every_row(connection, schema.event),
+        read_tombstones(connection),
     )
-    with handle.reading() as connection:
-        standing = set(connection.scalars(select(schema.standing_vote.c.uuid)))
-        current = set(connection.scalars(select(schema.current_vote.c.uuid)))
-        rows = connection.execute(query).all()
-    return csv_text(VOTE_COLUMNS, (_vote_row(row, standing, current) for row in rows))
 
 
-def _vote_row(row: Row[Any], standing: set[str], current: set[str]) -> tuple[object, ...]:
-    state = "current" if row.uuid in current else "replaced" if row.uuid in standing else "retracted"
-    return (
-        row.item_id, row.item_kind, row.volunteer, row.round, row.answer, state, row.comment, row.clock, row.shown_ms,
-        row.active_ms, row.created_at, row.uuid, row.supersedes, _without_pictures(row.payload),
-    )  # fmt: skip
+def _check_relation(theirs: _Content, ours: Row[Any], source: str, target: StudyHandle, other_study: bool) -> None:
+    """Refuse what does not belong together."""
+    if target.volunteer is not None:
+        raise BadInput(f"{target.where} is for {target.volunteer} alone and takes nothing in; merge into the study itself.")
+    if theirs.study.id == ours.id:
+        return
+    if theirs.packet is not None:
+        raise BadInput(f"{source} is a packet of another study ({theirs.study.name!r}, not {ours.name!r}); merge it into that.")
+    if not other_study and json.loads(theirs.study.settings).get("tops_up") != ours.id:
+        raise BadInput(
+            f"{source} belongs to another study ({theirs.study.name!r}, not {ours.name!r}); "
+            "merge copies of one study, or say that it is meant to be another."
+        )
 
 
-def _without_pictures(payload: str) -> str:
-    """A payload as it is, but for the pictures of puzzle pieces: no table takes cells of that size."""
-    content = json.loads(payload)
-    if "pieces" not in content:
-        return payload
-    pieces = [{name: value for name, value in piece.items() if name != "png"} for piece in content["pieces"]]
-    return canonical(content | {"pieces": pieces})
+def _take(connection: Connection, theirs: _Content, source: StudyHandle) -> Merged:
+    """Take it in, in an open transaction of the study that receives (one that may change votes if tombstones come)."""
+    ours = connection.execute(select(schema.study)).one()
+    buried = bury(connection, theirs.tombstones)
+    gone = lay_to_rest(connection, buried) if theirs.tombstones else 0
+    whole, same = theirs.packet is None, theirs.study.id == ours.id
+    tables = theirs.tables | {
+        "volunteer": _left(_seeded(theirs.tables["volunteer"], whole and same), buried.volunteer),
+        "assignment": _left(theirs.tables["assignment"], buried.assignment),
+    }
+    if whole and same:
+        unite(connection, schema.study, [dict(theirs.study._mapping)])
+    new = {table.name: unite(connection, table, tables[table.name], only_new=not whole and table is schema.item)
+           for table in (_MERGED if whole else _OF_A_PACKET)}  # fmt: skip
+    unite_blobs(connection, source, only_new=not whole)
+    events = append(connection, _left(_own(theirs, source.where), buried.event), source.where)
+    return Merged(new["item"], new.get("run", 0), new["volunteer"], events, gone)
+
+
+def _left(rows: list[Cells], what: Callable[[Cells], Cells | None]) -> list[Cells]:
+    """What tombstones leave of rows."""
+    return [left for row in rows if (left := what(row)) is not None]
+
+
+def _seeded(volunteers: list[Cells], keep: bool) -> list[Cells]:
+    """Volunteers with the seeds that they have in a copy of the same study; those of packets and others say nothing."""
+    return volunteers if keep else [row | {"seed": ""} for row in volunteers]
+
+
+def _own(theirs: _Content, where: str) -> list[Cells]:
+    """The events, which in a packet are all of its volunteer."""
+    strangers = {row["volunteer"] for row in theirs.events} - {theirs.packet}
+    if theirs.packet is not None and strangers:
+        raise BadInput(f"{where} is the packet of {theirs.packet} and holds votes of {min(strangers)}; it was tampered with.")
+    return theirs.events

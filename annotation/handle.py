@@ -25,6 +25,10 @@ class StudyHandle(Protocol):
         """A consistent snapshot."""
     def writing(self) -> AbstractContextManager[Connection]:
         """One transaction: on the disk when the block ends without an error, and undone whole otherwise."""
+    def rewriting(self) -> AbstractContextManager[Connection]:
+        """As `writing()`, but votes may be changed and removed: for volunteers who asked to be deleted, and no others."""
+    def purge(self) -> None:
+        """Leave nothing of what was removed to be read from the disk."""
     def close(self) -> None: ...
     def __enter__(self) -> Self: ...
     def __exit__(self, *_: object) -> None: ...

@@ -30,6 +30,6 @@ fi
 [ -x "$venv/bin/python" ] || "$python" -m venv "$venv"
 echo "Installing Concord and its libraries into $venv (a few minutes the first time) ..."
 "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --constraint constraints.txt \
-  --editable '.[gui,test,lint]'
+  --editable '.[gui,parquet,test,lint]'
 echo "Compiling the fast loops ..."
 "$venv/bin/python" -m engine.warm

@@ -11,7 +11,8 @@ from PIL import Image
 from puzzle_world import PX, cut_up, joins_of, picture, solved, touching
 
 from annotation import study
-from annotation.exchange import merge, votes_csv
+from annotation.exchange import merge
+from annotation.exporting import votes_csv
 from annotation.precision import precision_table
 from annotation.puzzlejoins import (
     LONGEST,

@@ -99,6 +99,7 @@ assignment = Table(
     "assignment", metadata,
     _text("item_id", ForeignKey("item.id"), primary_key=True),
     _text("volunteer", ForeignKey("volunteer.code"), primary_key=True), _text("made_at"),
+    Index("assignment_of_volunteer", "volunteer"),
     sqlite_strict=True,
 )  # fmt: skip
 """What was handed out in packets; a volunteer who has any is asked about these alone, and others less about them."""
@@ -128,8 +129,8 @@ event = Table(
     _text("presentation"), _text("app_version"), _text("created_at"),
     CheckConstraint("(kind = 'vote') = (answer IS NOT NULL)"),
     CheckConstraint("kind = 'vote' OR supersedes IS NOT NULL"),
-    Index("event_of_item", "item_id", "volunteer", "round"), Index("event_of_volunteer", "volunteer", "clock"),
-    Index("event_supersedes", "supersedes"),
+    Index("event_of_item", "item_id", "volunteer", "round", "clock", "kind"),
+    Index("event_of_volunteer", "volunteer", "clock"), Index("event_supersedes", "supersedes", "kind"),
     sqlite_strict=True,
 )  # fmt: skip
 
@@ -138,23 +139,21 @@ event = Table(
 STANDING_VOTE = """CREATE VIEW standing_vote AS
 SELECT * FROM event AS v WHERE v.kind = 'vote'
 AND NOT EXISTS (SELECT 1 FROM event AS r WHERE r.kind = 'retraction' AND r.supersedes = v.uuid)"""
+# That no newer one stands is told row by row, so that what is asked of one item or volunteer looks at no others.
 CURRENT_VOTE = """CREATE VIEW current_vote AS
-SELECT * FROM (SELECT s.*, row_number() OVER (PARTITION BY s.item_id, s.volunteer, s.round
-ORDER BY s.clock DESC, s.created_at DESC, s.uuid DESC) AS age FROM standing_vote AS s) AS ordered WHERE age = 1"""
-
+SELECT * FROM standing_vote AS s WHERE NOT EXISTS (SELECT 1 FROM standing_vote AS n
+WHERE n.item_id = s.item_id AND n.volunteer = s.volunteer AND n.round = s.round AND n.clock >= s.clock
+AND (n.clock, n.created_at, n.uuid) > (s.clock, s.created_at, s.uuid))"""
 
 # Round 1 alone decides: practice is round 0.
 TALLY = """CREATE VIEW tally AS SELECT item_id, COUNT(*) AS votes,
 SUM(CASE WHEN answer = 'correct' THEN 1 ELSE 0 END) AS correct, SUM(CASE WHEN answer = 'wrong' THEN 1 ELSE 0 END) AS wrong
 FROM current_vote WHERE round = 1 GROUP BY item_id"""
-# How many volunteers hold an item in a packet and have not answered yet: they may still settle it.
-WAITING = """CREATE VIEW waiting AS SELECT a.item_id, COUNT(*) AS packets FROM assignment AS a
-WHERE NOT EXISTS (SELECT 1 FROM event AS e WHERE e.item_id = a.item_id AND e.volunteer = a.volunteer AND e.round = 1)
-GROUP BY a.item_id"""
 # An item wants another vote until it has k, or, where the study is adaptive and the item not overlapped, until more than
 # k / 2 agree. An item that is unresolved after k votes (two of them at least) wants one more, of a further volunteer or
 # of an adjudicator, whoever comes first; if that leaves it unresolved, it is for adjudicators alone. What waits in
-# packets may still settle it.
+# packets may still settle it: `packets` counts the volunteers who hold it and have not answered yet. Votes are counted
+# here and not taken from `tally`, so that what is asked about one item looks at no others.
 WANTED = """CREATE VIEW wanted AS
 SELECT f.item_id, f.role, CASE
 WHEN f.k = 0 OR f.role <> 'judged' THEN 1
@@ -165,11 +164,14 @@ WHEN f.votes = f.k AND f.packets = 0 AND f.correct = f.wrong THEN 1
 ELSE 0 END AS open,
 CASE WHEN f.correct = f.wrong AND f.packets = 0 AND f.votes >= f.k AND f.votes > 1 THEN 1 ELSE 0 END AS disputed
 FROM (SELECT i.id AS item_id, COALESCE(q.role, 'judged') AS role, COALESCE(q.overlapped, 0) AS overlapped,
-s.votes AS k, s.adaptive AS adaptive, COALESCE(t.votes, 0) AS votes, COALESCE(t.correct, 0) AS correct,
-COALESCE(t.wrong, 0) AS wrong, COALESCE(w.packets, 0) AS packets
+s.votes AS k, s.adaptive AS adaptive, COUNT(t.uuid) AS votes,
+SUM(CASE WHEN t.answer = 'correct' THEN 1 ELSE 0 END) AS correct, SUM(CASE WHEN t.answer = 'wrong' THEN 1 ELSE 0 END) AS wrong,
+(SELECT COUNT(*) FROM assignment AS a WHERE a.item_id = i.id AND NOT EXISTS (SELECT 1 FROM event AS e
+WHERE e.item_id = a.item_id AND e.volunteer = a.volunteer AND e.round = 1)) AS packets
 FROM item AS i CROSS JOIN study AS s LEFT JOIN asked AS q ON q.item_id = i.id
-LEFT JOIN tally AS t ON t.item_id = i.id LEFT JOIN waiting AS w ON w.item_id = i.id
-WHERE q.item_id IS NOT NULL OR NOT EXISTS (SELECT 1 FROM asked)) AS f"""
+LEFT JOIN current_vote AS t ON t.item_id = i.id AND t.round = 1
+WHERE q.item_id IS NOT NULL OR NOT EXISTS (SELECT 1 FROM asked)
+GROUP BY i.id, q.role, q.overlapped, s.votes, s.adaptive) AS f"""
 # A packet fixes what its volunteer is asked; practice comes on top, but for adjudicators.
 OPEN_ITEM = """CREATE VIEW open_item AS
 SELECT v.code AS volunteer, w.item_id AS item_id, CASE WHEN w.role = 'practice' THEN 0 ELSE 1 END AS round
@@ -182,7 +184,7 @@ WHEN v.adjudicates = 1 THEN w.disputed = 1 AND w.role = 'judged'
 WHEN w.role = 'practice' THEN 1 = 1
 ELSE w.open = 1 END"""
 PRACTICE = "CREATE VIEW practice AS SELECT item_id, answer, reason FROM asked WHERE role = 'practice'"
-VIEWS = (STANDING_VOTE, CURRENT_VOTE, TALLY, WAITING, WANTED, OPEN_ITEM, PRACTICE)
+VIEWS = (STANDING_VOTE, CURRENT_VOTE, TALLY, WANTED, OPEN_ITEM, PRACTICE)
 
 _FORBIDDEN = "votes are only ever added: nothing may change or remove one"
 SQLITE_TRIGGERS = tuple(

@@ -1,4 +1,7 @@
-"""From version 1 to 2: how many votes an item gets, what is asked of whom, kept shapes, forgotten volunteers."""
+"""From version 1 to 2: how many votes an item gets, what is asked of whom, kept shapes, forgotten volunteers.
+
+Indexes of events answer by themselves which votes of an item stand.
+"""
 
 from typing import TYPE_CHECKING
 
@@ -32,6 +35,7 @@ def upgrade(op: "Operations") -> None:
         Column("made_at", Text, nullable=False),
         sqlite_strict=True,
     )
+    op.create_index("assignment_of_volunteer", "assignment", ["volunteer"])
     op.create_table(
         "blob",
         Column("key", Text, primary_key=True, nullable=False),
@@ -46,6 +50,10 @@ def upgrade(op: "Operations") -> None:
         Column("at", Text, nullable=False),
         sqlite_strict=True,
     )
+    for index, more in (("event_of_item", ["item_id", "volunteer", "round", "clock", "kind"]),
+                        ("event_supersedes", ["supersedes", "kind"])):  # fmt: skip
+        op.drop_index(index, "event")
+        op.create_index(index, "event", more)
 
 
 def _number(name: str, default: int = 0) -> "Column[int]":

@@ -186,6 +186,17 @@ def open_items(handle: StudyHandle, volunteer_code: str) -> tuple[OpenItem, ...]
     return tuple(sorted((OpenItem(*row) for row in rows), key=lambda o: (o.round, draw(voter.seed, "order", o.item_id))))
 
 
+def still_open(handle: StudyHandle, volunteer_code: str, one: OpenItem) -> bool:
+    """Whether an item of `open_items` is still to be asked: the votes of others may have settled it in the meantime.
+
+    Looks at this item alone, so it may be asked before every question.
+    """
+    code, view = checked_code(volunteer_code), schema.open_item.c
+    same = (view.volunteer == code, view.item_id == one.item_id, view.round == one.round)
+    with handle.reading() as connection:
+        return connection.execute(select(view.item_id).where(*same)).first() is not None
+
+
 def practice(handle: StudyHandle) -> dict[str, Practice]:
     """The known answers of the practice items, by item."""
     with handle.reading() as connection:

@@ -6,7 +6,7 @@ from html import escape
 from .precision import PrecisionRow
 from .tabletext import number, row_name, shown_range
 
-_LABEL, _PLOT, _NUMBERS, _LINE, _HEAD = 330, 460, 200, 26, 34
+_LABEL, _PLOT, _NUMBERS, _LINE, _HEAD, _GAP = 330, 460, 200, 24, 32, 10
 _WIDTH = _LABEL + _PLOT + _NUMBERS
 
 
@@ -18,12 +18,17 @@ def precision_chart(rows: Sequence[PrecisionRow]) -> str:
     shown = [row for row in rows if row.micro is not None]
     if not shown:
         return ""
-    height = _HEAD + _LINE * len(shown) + 8
+    places, y = [], float(_HEAD)
+    for k, row in enumerate(shown):
+        y += _GAP if k and row[:2] != shown[k - 1][:2] else 0
+        places.append(y + _LINE / 2)
+        y += _LINE
+    height = y + 8
     marks = [_text(_at(share), 16, f"{share:.0%}".replace("%", " %"), "middle", "faint") + _grid(share, height)
              for share in (0.0, 0.25, 0.5, 0.75, 1.0)]  # fmt: skip
-    lines = [_row(row, _HEAD + _LINE * k + _LINE / 2) for k, row in enumerate(shown)]
+    lines = [_row(row, place) for row, place in zip(shown, places, strict=True)]
     return (
-        f'<svg viewBox="0 0 {_WIDTH} {height}" width="{_WIDTH}" role="img" style="max-width:100%;height:auto;font-size:13px">'
+        f'<svg viewBox="0 0 {_WIDTH} {height:g}" width="{_WIDTH}" role="img" style="max-width:100%;height:auto;font-size:13px">'
         f"<title>Precision with 95 % intervals</title>{''.join(marks)}{''.join(lines)}</svg>"
     )
 
@@ -47,7 +52,7 @@ def _at(share: float) -> float:
 
 def _grid(share: float, height: float) -> str:
     x = _at(share)
-    return f'<line x1="{x:.1f}" x2="{x:.1f}" y1="24" y2="{height}" style="stroke:var(--line);stroke-width:1"/>'
+    return f'<line x1="{x:.1f}" x2="{x:.1f}" y1="24" y2="{height:g}" style="stroke:var(--line);stroke-width:1"/>'
 
 
 def _stroke(low: float, high: float, y: float, colour: str, width: int) -> str:

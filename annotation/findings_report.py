@@ -6,7 +6,7 @@ from html import escape
 from typing import Literal, NamedTuple
 
 from engine.errors import ConcordError
-from engine.evaluation.tables import Table, to_latex, to_markdown
+from engine.evaluation.tables import Table, split_wide, to_latex, to_markdown
 
 from .chart import precision_chart
 from .csvtext import csv_text
@@ -19,6 +19,7 @@ from .voting import item
 
 Style = Literal["text", "csv", "markdown", "latex", "html"]
 _WIDTH = 110
+_PAPER = 112  # characters of small print across a page of A4 or letter with narrow margins
 _LEGEND = ("The dot is the precision, the line its 95 % interval, the band what the undecided matches could make of it.")  # fmt: skip
 
 
@@ -30,9 +31,9 @@ class Drawn(NamedTuple):
 
 
 def written(lead: str, tables: Sequence[Table], style: Literal["text", "markdown", "latex"]) -> str:
-    """Tables with their remarks, below a first line."""
+    """Tables with their remarks, below a first line; in LaTeX those too wide for a page are split."""
     if style == "latex":
-        return to_latex(tables, lead)
+        return to_latex([part for table in tables for part in split_wide(table, _PAPER)], lead)
     if style == "markdown":
         return to_markdown(tables, lead)
     parts = [lead]

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 if TYPE_CHECKING:
+    from annotation.shownitems import ShownParts
     from engine.shapes.collection_result import CollectionResult
     from engine.shapes.result import MatchResult
     from engine.shapes.segmentation import SegmentedShape
@@ -23,6 +24,19 @@ def open_window(files: Sequence[str] = (), labels: tuple[str | None, str | None]
     from .startup import run
 
     return run(files, labels)
+
+
+def open_voting(where: str = "", code: str = "") -> int:
+    """Open the volunteers' window on a study, a packet or a server; 2 where there can be no window."""
+    from .display import problem
+
+    sentence = problem()
+    if sentence is not None:
+        print(f"concord: {sentence}", file=sys.stderr)
+        return 2
+    from .volunteer import run
+
+    return run(where, code)
 
 
 def report_pictures(
@@ -46,6 +60,13 @@ def collection_pictures(found: "CollectionResult") -> list[tuple[str, bytes]]:
         return drawn(found)
 
     return _where_possible(draw)
+
+
+def match_picture(shown: "ShownParts") -> bytes:
+    """One match for the report of a study; raises `ConcordError` or `ImportError` where it cannot be drawn."""
+    from .views.parts_picture import draw_parts
+
+    return draw_parts(shown)
 
 
 def _where_possible(draw: Callable[[], list[tuple[str, bytes]]]) -> list[tuple[str, bytes]]:
@@ -88,11 +109,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     from cyclopts import Parameter
 
     from annotation.__main__ import app as study
+    from annotation.table_commands import mount as mount_tables
     from annotation.thesistables import voted_precision
     from engine.__main__ import SourceLabels, TargetLabels, build_app
     from engine.cli import run
 
     app = build_app(report_pictures, collection_pictures, voted_precision, judged_wishes)
+    mount_tables(study, match_picture)
     app.command(study, name="study")
 
     @app.command(name="open")
@@ -108,6 +131,19 @@ def main(argv: Sequence[str] | None = None) -> int:
             return open_window((str(puzzle_path(source)),))
         first, second = (str(file) if file else None for file in (source_labels, target_labels))
         return open_window((str(source), str(target)), (first, second))
+
+    @app.command
+    def vote(study_or_packet: str = "", /, *, volunteer: str = "") -> int:
+        """Open the window for volunteers: one question after the other, and nothing else.
+
+        Parameters
+        ----------
+        study_or_packet
+            A study, the packet of one volunteer, or the address of a study on a server (postgresql://...).
+        volunteer
+            The code to vote under; that of the packet or of the login if left out, else the window asks for it.
+        """
+        return open_voting(study_or_packet, volunteer)
 
     @app.command
     def demo(*, out: Path) -> None:

@@ -58,6 +58,26 @@ def to_latex(tables: Sequence[Table], lead: str, *, long: bool = False) -> str:
     return "\n\n".join(parts) + "\n"
 
 
+def split_wide(table: Table, width: int) -> list[Table]:
+    """The table, or several with the same words and a part of the figures each, none of more than `width` characters
+    where that can be (two between columns)."""
+    widths = [max(map(len, column)) + 2 for column in zip(table.head, *table.rows, strict=True)]
+    parts: list[list[int]] = [[]]
+    fixed, used = sum(widths[: table.words]), 0
+    for column in range(table.words, len(widths)):
+        if parts[-1] and fixed + used + widths[column] > width + 2:
+            parts.append([])
+            used = 0
+        parts[-1].append(column)
+        used += widths[column]
+    if len(parts) == 1:
+        return [table]
+    cut = [[(*row[: table.words], *(row[k] for k in part)) for row in (table.head, *table.rows)] for part in parts]
+    last = len(parts) - 1
+    return [Table(f"{table.title} ({k + 1} of {len(parts)})", lines[0], lines[1:], table.words, table.remark if k == last else "")
+            for k, lines in enumerate(cut)]  # fmt: skip
+
+
 def to_csv(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """One line a row; shares stay shares of 1; what is not known is empty."""
     text = io.StringIO()

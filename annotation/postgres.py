@@ -196,6 +196,7 @@ def _connectable(url: URL, search_path: str) -> Engine:
         with raw.cursor() as cursor:
             cursor.execute(f"SET search_path = {search_path}")
             cursor.execute(f"SET lock_timeout = '{LOCK_SECONDS}s'")
+            cursor.execute("SET jit = off")  # compiling what is open to whom takes 0.6 s, running it 3 ms
         raw.commit()
 
     return made

@@ -1,5 +1,7 @@
 """One sentence for a person, for what PostgreSQL or the network says. No sentence ever holds a password."""
 
+import re
+
 LOCK_SECONDS = 30
 
 _BY_STATE = (  # beginnings of SQLSTATE codes (PostgreSQL's documentation, appendix A), the more special first
@@ -19,14 +21,11 @@ _BY_STATE = (  # beginnings of SQLSTATE codes (PostgreSQL's documentation, appen
     ("XX", "is damaged, says its server; restore the database from a backup."),
 )
 _BY_WORDS = (  # a connection that never came about has no SQLSTATE
-    ("authentication failed", "28"),
-    ("no password supplied", "28"),
-    ("pg_hba.conf", "28"),
-    ("role \"", "28"),
-    ("database \"", "3D000"),
-    ("too many", "53300"),
-    ("connection slots", "53300"),
+    (r'database ".*" does not exist', "3D000"),
+    (r'authentication failed|no password supplied|pg_hba\.conf|role ".*" does not exist|permission denied|not permitted', "28"),
+    (r"too many|connection slots", "53300"),
 )  # fmt: skip
+_NOT_INTO_VIEWS = ("0A000", "55000")  # what is blind can be read only
 LOST = "lost the connection before that was confirmed; try again once the server can be reached."
 UNREACHABLE = "cannot be reached; check the address, the network, and that the server runs."
 
@@ -35,11 +34,11 @@ def explained(where: str, error: Exception, *, opened: bool = True, volunteer: s
     """The sentence; `opened` says that the study had been reached before."""
     original = getattr(error, "orig", None) or error
     state = str(getattr(original, "sqlstate", None) or "")
-    if state == "42501":
+    if state == "42501" or (volunteer is not None and state in _NOT_INTO_VIEWS):
         return f"{where} {_forbidden(opened, volunteer)}"
     if not state or state.startswith(("08", "57P")) or getattr(error, "connection_invalidated", False):
         said = "" if opened else str(original)
-        state = next((code for words, code in _BY_WORDS if words in said), "")
+        state = next((code for words, code in _BY_WORDS if re.search(words, said)), "")
         return f"{where} {_sentence(state) or (LOST if opened else UNREACHABLE)}"
     first = str(original).strip().splitlines()[0] if str(original).strip() else type(original).__name__
     return f"{where} {_sentence(state) or f'refused ({first}), so nothing was saved; try again.'}"

@@ -10,13 +10,14 @@ from cyclopts import App, Parameter
 from engine.cli import run
 from engine.store import write_atomically
 
+from .design_commands import mount as mount_design
 from .exchange import merge as merge_files
+from .exchange_commands import mount as mount_exchange
 from .exporting import votes_csv
 from .majority import Answer
-from .resultfile import read_results
 from .server_commands import mount as mount_invitations
 from .stamps import app_version
-from .study import DEFAULT_QUESTION, add_run, create_study, open_study, record_vote, shown_place, study_name
+from .study import open_study, record_vote, shown_place
 from .table_commands import mount as mount_tables
 from .votedwishes import read_voted_wishes
 
@@ -26,58 +27,9 @@ app = App(
     version=app_version,
     result_action="return_value",
 )
+mount_design(app)
 
-SetName = Annotated[str, Parameter(name="--set", help="Name of the set (a row group of the table).")]
 Out = Annotated[Path | None, Parameter(help="Write to this file instead of the screen.")]
-
-
-@app.command
-def create(
-    file: str,
-    matches: Annotated[list[Path] | None, Parameter(negative=())] = None,
-    /,
-    *,
-    set_name: SetName = "",
-    name: str = "",
-    question: str = DEFAULT_QUESTION,
-) -> None:
-    """Make a study FILE of the results in MATCHES (files matches.json of shapes, solution.json of puzzles).
-
-    Parameters
-    ----------
-    file
-        The study file to make; an existing one is never replaced.
-    matches
-        Results to be judged; every distinct match is asked once.
-    name
-        Name of the study; that of the file if left out.
-    question
-        The question that volunteers are asked.
-    """
-    runs = [read_results(path, set_name) for path in matches or ()]
-    with create_study(file, name=name or study_name(file), question=question) as handle:
-        for run in runs:
-            add_run(handle, run)
-    results = "1 result" if len(runs) == 1 else f"{len(runs)} results"
-    print(f"{handle.where}: {len({p.item.id for run in runs for p in run.proposals})} matches of {results}.")
-
-
-@app.command
-def add(file: str, matches: list[Path], /, *, set_name: SetName = "") -> None:
-    """Add results in MATCHES (matches.json of shapes, solution.json of puzzles) to a study; votes already given stay.
-
-    Parameters
-    ----------
-    file
-        The study file.
-    matches
-        Results to add; what is known already is not added twice.
-    """
-    runs = [read_results(path, set_name) for path in matches]
-    with open_study(file) as handle:
-        for run in runs:
-            add_run(handle, run)
-    print(f"{handle.where}: {len(runs)} {'result' if len(runs) == 1 else 'results'} added.")
 
 
 @app.command
@@ -179,6 +131,7 @@ def merge(into: str, source: str, /, *, another_study: bool = False) -> None:
 
 mount_tables(app)
 mount_invitations(app)
+mount_exchange(app)
 
 
 def _give(text: str, out: Path | None) -> None:

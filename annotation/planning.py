@@ -62,7 +62,7 @@ def needed(expected: Expectations, design: Design) -> Needed:
     pairs = pairs_needed(expected)
     matches = math.ceil(pairs * expected.per_pair - 1e-9)
     gold = min(matches, gold_wanted(matches, design.gold, design.gold_least))
-    k = design.votes or expected.volunteers
+    k = min(design.votes or expected.volunteers, expected.volunteers)
     all_votes, fewer = (votes_each(k, adaptive, expected.disagreement, expected.abstention) for adaptive in (False, True))
     share = design.overlap if design.adaptive and design.votes else 1.0
     each = share * all_votes + (1 - share) * fewer

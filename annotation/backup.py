@@ -5,21 +5,26 @@ import os
 import sqlite3
 import tempfile
 import time
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
+
+from .places import sync_folder
 
 KEPT = 5
 EVERY_SECONDS = 3600.0
+_STAMP, _TICK = "%Y%m%dT%H%M%S.%f", timedelta(microseconds=1)
 
 
 def keep_backup(raw: sqlite3.Connection, path: Path) -> Path | None:
     """Back up unless a copy exists that is younger than an hour, or than the last change; keep the newest five.
 
-    A backup that cannot be written (a full disk) never stops the work: votes have their own commit.
+    A backup that cannot be written (a full disk) never stops the work: votes have their own commit. A copy from a time
+    that has not come yet (the clock was set back) says nothing of its age.
     """
     kept = backups(path)
     changed = max(_mtime(path), _mtime(Path(f"{path}-wal")))
-    if kept and (_mtime(kept[-1]) >= changed or time.time() - _mtime(kept[-1]) < EVERY_SECONDS):
+    age = time.time() - _mtime(kept[-1]) if kept else -1.0
+    if age >= 0 and (_mtime(kept[-1]) >= changed or age < EVERY_SECONDS):
         return None
     with contextlib.suppress(OSError, sqlite3.Error):
         made = back_up(raw, path)
@@ -40,9 +45,15 @@ def every_backup(path: Path) -> list[Path]:
 
 
 def back_up(raw: sqlite3.Connection, path: Path, label: str = "") -> Path:
-    """Copy the study as it stands to `backups/NAME.TIME`, or `backups/NAME.LABEL.TIME`, staged and renamed."""
-    stamp = datetime.now(UTC).strftime("%Y%m%dT%H%M%S.%f")
-    target = _folder(path) / ".".join(filter(None, (path.name, label, stamp)))
+    """Copy the study as it stands to `backups/NAME.TIME`, or `backups/NAME.LABEL.TIME`, staged and renamed.
+
+    The names say in which order copies were made: after one from the future, the time is a microsecond later than that.
+    """
+    stamp = datetime.now(UTC)
+    for last in backups(path)[-1:]:
+        with contextlib.suppress(ValueError, OverflowError):
+            stamp = max(stamp, datetime.strptime(last.name[len(path.name) + 1 :] + "Z", f"{_STAMP}%z") + _TICK)
+    target = _folder(path) / ".".join(filter(None, (path.name, label, stamp.strftime(_STAMP))))
     target.parent.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=".staged.") as folder:
         staged = Path(folder) / "copy"
@@ -50,6 +61,7 @@ def back_up(raw: sqlite3.Connection, path: Path, label: str = "") -> Path:
             raw.backup(copy)
             copy.execute("PRAGMA journal_mode=DELETE")
         os.replace(staged, target)
+    sync_folder(target.parent)
     return target
 
 

@@ -178,15 +178,17 @@ def _open_for_reading(path: Path, busy_seconds: float) -> StudyFile:
     A file in WAL mode can only be read where its log may be written, or where nobody writes at all (`immutable`). One
     whose log was left on a read-only disk, or which is of an older version, is read from a copy of both.
     """
-    resting = not Path(f"{path}-wal").exists()
-    options = "mode=rw" if may_write(path) else "immutable=1" if sealed(path) and resting else "mode=ro"
+    logged, shared = (Path(f"{path}{part}").exists() for part in ("-wal", "-shm"))
+    if sealed(path) and logged and not shared:
+        return _open_copy(path, busy_seconds)
+    options = "mode=rw" if may_write(path) else "immutable=1" if sealed(path) and not logged else "mode=ro"
     try:
         with _raw(path, busy_seconds, options) as raw:
             version = check_inside(path, raw)
         if version == schema.SCHEMA_VERSION:
             return StudyFile(path, busy_seconds, writable=False, options=options)
     except sqlite3.OperationalError as error:
-        if not any(words in str(error) for words in ("unable to open", "readonly")):
+        if not any(words in str(error) for words in ("unable to open", "readonly", "disk I/O", "full")):
             raise
     return _open_copy(path, busy_seconds)
 

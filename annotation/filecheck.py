@@ -17,7 +17,7 @@ _SAID = (
     ("full", "cannot be written because the disk is full (what was saved before is safe); make room and try again."),
     ("unable to open", "cannot be opened; check that it and its folder can be read and written."),
     ("malformed", f"is damaged; {_BACKUPS}"),
-    ("disk I/O", "cannot be read or written (the disk reports an error, or is full); make room, or copy it to another."),
+    ("disk I/O", "cannot be read or written (the disk reports an error, or is full); make room, or copy it to another disk."),
 )
 
 

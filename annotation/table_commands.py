@@ -2,18 +2,19 @@
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 
 from engine.errors import BadParameter
-from engine.store import write_atomically
+from engine.store import output_folder, write_atomically, write_together
 
+from .csvtext import csv_text
 from .findings import Findings, Preset, Votes, read_votes, worked_out
 from .findings_report import Drawn, Style, as_csv, as_html, draw_disputed, lead_of, written
 from .findings_tables import Section, tables, values
 from .splitting import Split, split
-from .study import open_study
+from .study import about, open_study
 
 if TYPE_CHECKING:
     from engine.evaluation.tables import Table
@@ -75,9 +76,53 @@ def mount(app: App, draw: "PartsDrawer | None" = None) -> None:
                 lead += f"; {len(others.names)} pairs held out by seed {split_seed}: {', '.join(others.names)}"
             give(_page(handle, found, lead, shown, draw, pictures) if format == "html" else written(lead, shown, format), out)
 
-    if "table" in app:
-        del app["table"]
-    app.command(table)
+    for command in (table, overview, datasheet):
+        if command.__name__ in app:
+            del app[command.__name__]
+        app.command(command)
+
+
+def overview(file: str, /, *, format: Literal["text", "csv", "markdown"] = "text", out: Out = None) -> None:
+    """Print who has done how much, how fast and how well; nothing is ever removed for it.
+
+    Parameters
+    ----------
+    file
+        The study: a file, a project folder, or the address of a database.
+    format
+        How to write the table.
+    """
+    from .overview import overview as read_overview
+    from .overview_tables import VALUES_HEAD, overview_table, overview_values
+
+    with open_study(file, backup=False, writable=False) as handle:
+        rows, study = read_overview(handle), about(handle)
+    if format == "csv":
+        give(csv_text(VALUES_HEAD, map(overview_values, rows)), out)
+    else:
+        people = "1 volunteer" if len(rows) == 1 else f"{len(rows)} volunteers"
+        give(written(f"Study {study.name}: {people}", [overview_table(rows)], format), out)
+
+
+def datasheet(file: str, /, *, out: Path) -> None:
+    """Write a Human Evaluation Datasheet (Shimorina and Belz 2022) of the study, with blanks for what only people know.
+
+    Parameters
+    ----------
+    file
+        The study: a file, a project folder, or the address of a database.
+    out
+        Folder for datasheet.md and datasheet.json; made if it is missing.
+    """
+    from .datasheet import as_json, as_markdown
+    from .datasheet_facts import answered
+
+    with open_study(file, backup=False, writable=False) as handle:
+        sheet = answered(handle)
+    folder = output_folder(out)
+    write_together({folder / "datasheet.md": as_markdown(sheet), folder / "datasheet.json": as_json(sheet)})
+    blanks = sum(answer.blank for answer in sheet.answers)
+    print(f"{len(sheet.answers) - blanks} of {len(sheet.answers)} questions are answered in {folder}; {blanks} are left to you.")
 
 
 def _parts(votes: Votes, held_out: int, seed: int) -> tuple[Votes, Split | None]:

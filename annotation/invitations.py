@@ -38,13 +38,13 @@ def invite(server: StudyServer, code: str, *, adjudicator: bool = False, again: 
     """
     code = checked_code(code)
     with server.writing() as connection:
+        _check_may_invite(connection, server.where)
         role = connection.scalar(text("SELECT role FROM invited WHERE code = :code"), {"code": code})
         if (role is not None) != again:
             raise BadParameter(
                 f"{code} was never invited; leave out --again." if again else
                 f"{code} is invited already; give --again for a new address, which ends the old one."
             )  # fmt: skip
-        _check_may_invite(connection, server.where)
     register(server, code, adjudicator=adjudicator)
     with server.writing() as connection:
         return _login(connection, server.url, role, volunteer=code)

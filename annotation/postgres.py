@@ -96,8 +96,7 @@ def server_url(address: str) -> URL:
 
 def named(url: URL) -> str:
     """The address without user, password and options, for sentences."""
-    host = url.host or str(url.query.get("host", ""))
-    return URL.create("postgresql", host=host or None, port=url.port, database=url.database).render_as_string()
+    return URL.create("postgresql", host=url.host, port=url.port, database=url.database).render_as_string()
 
 
 def create_server(address: str, fill: Callable[[Connection], None]) -> None:

@@ -33,7 +33,8 @@ UNREACHABLE = "cannot be reached; check the address, the network, and that the s
 def explained(where: str, error: Exception, *, opened: bool = True, volunteer: str | None = None) -> str:
     """The sentence; `opened` says that the study had been reached before."""
     original = getattr(error, "orig", None) or error
-    state = str(getattr(original, "sqlstate", None) or "")
+    unsent = "22" if type(original).__name__ == "DataError" else ""  # refused by psycopg, before the server saw it
+    state = str(getattr(original, "sqlstate", None) or unsent)
     if state == "42501" or (volunteer is not None and state in _NOT_INTO_VIEWS):
         return f"{where} {_forbidden(opened, volunteer)}"
     if not state or state.startswith(("08", "57P")) or getattr(error, "connection_invalidated", False):

@@ -14,6 +14,7 @@ from .design_commands import mount as mount_design
 from .exchange import merge as merge_files
 from .exchange_commands import mount as mount_exchange
 from .exporting import votes_csv
+from .location import warn_of_place
 from .majority import Answer
 from .server_commands import mount as mount_invitations
 from .stamps import app_version
@@ -41,7 +42,7 @@ def votes(file: str, /, *, out: Out = None) -> None:
     file
         The study file.
     """
-    with open_study(file, backup=False) as handle:
+    with open_study(file, backup=False, writable=False) as handle:
         _give(votes_csv(handle), out)
 
 
@@ -63,6 +64,7 @@ def vote(file: str, /, *, volunteer: str, item: str, answer: Answer, comment: st
         Anything to remember.
     """
     with open_study(file) as handle:
+        warn_of_place(handle.where)
         record_vote(handle, item, volunteer, answer, comment=comment)
     print("Saved.")
 
@@ -125,6 +127,7 @@ def merge(into: str, source: str, /, *, another_study: bool = False) -> None:
     another_study
         Merge although the two files were created as different studies.
     """
+    warn_of_place(into)
     new = merge_files(into, source, other_study=another_study)
     print(f"{shown_place(into)}: {new.events} votes and undos, {new.items} matches, {new.runs} results are new.")
 

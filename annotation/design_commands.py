@@ -16,6 +16,7 @@ from .blobs import keep_shapes
 from .design import Design, create_design, judged_counts
 from .flags import unresolved
 from .handle import StudyHandle
+from .location import warn_of_place
 from .places import keep_result
 from .planning_command import plan
 from .postgres import is_url
@@ -100,6 +101,7 @@ def create(
             tell=notes.append, progress=share(progress, 0.8, 1.0),
         )  # fmt: skip
     with handle:
+        warn_of_place(handle.where)
         _keep_files(handle, read.files)
         matches = len({p.item.id for run in read.runs for p in run.proposals})
         print(f"{handle.where}: {_count(matches, 'match', 'matches')} of {_count(len(read.runs), 'result')}.")
@@ -123,6 +125,7 @@ def add(file: str, results: list[str], /, *, set_name: SetName = "", shapes: Tab
     with progress_bar() as progress:
         read = _read(results, set_name, shapes or (), share(progress, 0.0, 0.9))
         with open_study(file) as handle:
+            warn_of_place(handle.where)
             with handle.writing() as connection:
                 runs = {insert_run(connection, run) for run in read.runs}
             keep_shapes(handle, read.found.shapes.values())
@@ -263,7 +266,7 @@ def _answers_of(text: str) -> knownanswers.Known:
     told = bool(colon) and re.fullmatch(r"[\w-]{1,40}", code) is not None and not Path(text).exists()
     if is_url(text) and "/" not in place.partition("://")[2]:
         told = False
-    with open_study(place if told else text, backup=False) as handle:
+    with open_study(place if told else text, backup=False, writable=False) as handle:
         return knownanswers.known_by_votes(handle, code if told else "")
 
 

@@ -2,6 +2,7 @@
 
 import os
 import re
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -46,6 +47,13 @@ def location_warning(path: Path | str, *, mounts: Path = Path("/proc/mounts")) -
             "voted on, and put a closed copy there."
         )
     return None
+
+
+def warn_of_place(path: Path | str) -> None:
+    """Print the warning, if there is one, on the standard error."""
+    sentence = location_warning(path)
+    if sentence is not None:
+        print(f"concord: {sentence}", file=sys.stderr)
 
 
 def network_disk(folder: Path, mounts: Path) -> str | None:

@@ -41,7 +41,7 @@ class VotedWishes(NamedTuple):
 
 def read_voted_wishes(path: Path | str, source: SegmentedShape, target: SegmentedShape) -> VotedWishes:
     """The wishes that the votes of a study file make for two shapes; raises `BadInput`, also where it holds none of their matches."""
-    with open_study(path, backup=False) as handle:
+    with open_study(path, backup=False, writable=False) as handle:
         found = voted_wishes(handle, source, target)
         where = handle.where
     if not found.items:

@@ -1,6 +1,7 @@
 """Warnings of places where a study is not safe."""
 
 import pytest
+from judging_world import LAMP, VASE, identity, study_of
 
 from annotation.location import cloud_folder, location_warning, network_disk
 
@@ -78,3 +79,18 @@ def test_names_that_only_resemble(tmp_path):
     for name in ("dropboxes", "my-onedrive-notes", "box", "drive"):
         (tmp_path / name).mkdir()
         assert cloud_folder(tmp_path / name) is None
+
+
+def test_the_command_line_tells_it_and_goes_on(tmp_path, capsys):
+    from annotation.__main__ import main
+
+    (tmp_path / "Nextcloud").mkdir()
+    for folder, told in ((tmp_path / "Nextcloud", True), (tmp_path, False)):
+        file = folder / "lamps.concord"
+        study_of(file).close()
+        item = identity(LAMP, (0,), VASE, (0,))
+        assert main(["vote", str(file), "--volunteer", "anna", "--item", item, "--answer", "correct"]) == 0
+        said = capsys.readouterr()
+        assert said.out == "Saved.\n"
+        assert said.err.startswith(f"concord: {file} lies in a folder of Nextcloud") == told
+        assert bool(said.err) == told

@@ -133,19 +133,22 @@ def draw_design(runs: Sequence[Run], design: Design, *, gold: Known = NOTHING, p
     """
     seed, strata = str(design.seed), strata_of(runs)
     drawn = sample(strata, design.most, seed)
-    told, lesson = known_of(gold, strata), known_of(practice, strata)
+    told, lesson = known_of(gold, strata), known_of(practice if practice else gold, strata)
     wanted = gold_wanted(len(drawn), design.gold, design.gold_least)
-    taught = {item: lesson[item] for item in balanced(lesson, design.practice, seed, "practice", lambda i: i not in drawn)}
-    told = {item: known for item, known in told.items() if item not in taught}
-    golden = balanced(told, wanted, seed, "gold", lambda item: item in drawn)
-    if not practice:
-        spare = {item: known for item, known in told.items() if item not in golden}
-        taught = {item: spare[item] for item in balanced(spare, design.practice, seed, "practice", lambda i: i not in drawn)}
+    golden, taught = set[str](), set[str]()
+    enough = bool(practice) or len(told) >= wanted + design.practice  # else gold goes first
+    for role in ("practice", "gold") if enough else ("gold", "practice"):
+        if role == "gold":
+            left = {item: known for item, known in told.items() if item not in taught}
+            golden = set(balanced(left, wanted, seed, "gold", lambda item: item in drawn))
+        else:
+            left = {item: known for item, known in lesson.items() if item not in golden}
+            taught = set(balanced(left, design.practice, seed, "practice", lambda item: item not in drawn))
     judged = [item for item in drawn if item not in taught and item not in golden]
     twice = overlapped(judged, design.overlap if design.adaptive and design.votes > 2 else 0.0, seed)
     rows = [Drawn(item, "judged", None, "", strata[item], drawn[item], item in twice) for item in judged]
-    rows += [Drawn(item, "gold", told[item].answer, told[item].reason, strata[item], drawn.get(item), False) for item in golden]
-    rows += [Drawn(item, "practice", known.answer, known.reason, strata[item], None, False) for item, known in taught.items()]
+    rows += [Drawn(item, "gold", *told[item], strata[item], drawn.get(item), False) for item in sorted(golden)]
+    rows += [Drawn(item, "practice", *lesson[item], strata[item], None, False) for item in sorted(taught)]
     return Plan(tuple(rows), _notes(strata, design, len(golden), wanted, len(taught), drawn))
 
 

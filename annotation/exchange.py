@@ -19,6 +19,7 @@ from .forgetting import bury, clean_backups, lay_to_rest
 from .handle import StudyHandle
 from .study import open_study
 from .tombstones import Tombstone, read_tombstones
+from .topup import settle_probabilities
 from .uniting import Cells, append, every_row, unite, unite_blobs
 
 _MERGED = (schema.item, schema.run, schema.run_match, schema.volunteer, schema.asked, schema.assignment)
@@ -124,6 +125,8 @@ def _take(connection: Connection, theirs: _Content, source: StudyHandle) -> Merg
         unite(connection, schema.study, [dict(theirs.study._mapping)])
     new = {table.name: unite(connection, table, tables[table.name], only_new=not whole and table is schema.item)
            for table in (_MERGED if whole else _OF_A_PACKET)}  # fmt: skip
+    if json.loads(theirs.study.settings).get("tops_up") == ours.id:
+        settle_probabilities(connection)
     unite_blobs(connection, source, only_new=not whole)
     events = append(connection, _left(_own(theirs, source.where), buried.event), source.where)
     return Merged(new["item"], new.get("run", 0), new["volunteer"], events, gone)

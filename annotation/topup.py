@@ -4,6 +4,7 @@ Votes stay as they are. Everything new is drawn by the seed of the study, as `an
 """
 
 import json
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -34,7 +35,7 @@ def top_up(handle: StudyHandle, *, most: int | None = None) -> int:
     with handle.writing() as connection:
         rows = _drawn(connection, study, _checked(study, most))
         put_asked(connection, rows)
-        _settle_probabilities(connection)
+        settle_probabilities(connection)
     return len(rows)
 
 
@@ -50,7 +51,9 @@ def top_up_study(
     with handle.reading() as connection:
         new = _drawn(connection, study, _checked(study, most))
         voted = set(connection.scalars(select(schema.current_vote.c.item_id).where(schema.current_vote.c.round == 1)))
-        old = [_drawn_row(row) for row in connection.execute(select(schema.asked)) if row.item_id not in voted]
+        before = [_drawn_row(row) for row in connection.execute(select(schema.asked))]
+        chances = _chances((*before, *new), _strata(connection))
+        old = [row for row in before if row.item_id not in voted]
         every = {row.item_id for row in (*old, *new)} if old or new else _items(connection) - voted
         contents = _contents(connection, every)
     left = sum(row.role != "practice" for row in (*old, *new)) if old or new else len(every)
@@ -61,7 +64,7 @@ def top_up_study(
         for table, rows in contents:
             if rows:
                 connection.execute(insert(table), rows)
-        put_asked(connection, (*old, *new))
+        put_asked(connection, (_likely(row, chances) for row in (*old, *new)))
 
     settings = {**study.settings, "tops_up": study.id}
     made = create_study(
@@ -126,21 +129,29 @@ def _drawn(connection: Connection, study: Study, most: int) -> list[Drawn]:
     return [Drawn(item, "judged", None, "", left[item], chance, item in twice) for item, chance in drawn.items()]
 
 
-def _settle_probabilities(connection: Connection) -> None:
-    """Within a stratum all drawn items are as likely as they are together: their number over that of all."""
-    rows = {row.item_id: row for row in connection.execute(select(schema.asked))}
-    strata = {item: rows[item].stratum if item in rows else stratum for item, stratum in _strata(connection).items()}
-    size: dict[str, int] = {}
-    taken: dict[str, int] = {}
+def settle_probabilities(connection: Connection) -> None:
+    """Give what was drawn in several steps, or in a top-up that was merged back, the probability that it has together."""
+    rows = [_drawn_row(row) for row in connection.execute(select(schema.asked))]
+    for stratum, chance in _chances(rows, _strata(connection)).items():
+        drawn = _asked.stratum == stratum, _asked.probability.is_not(None), _asked.probability != chance
+        connection.execute(update(schema.asked).where(*drawn).values(probability=chance, added_at=now()))
+
+
+def _chances(rows: Iterable[Drawn], strata: Mapping[str, str]) -> dict[str, float]:
+    """With which probability each item of a stratum is drawn: the number of those drawn over that of all.
+
+    Practice items, and gold ones that were not drawn, are of neither.
+    """
+    asked = {row.item_id: row for row in rows}
+    size, taken = Counter[str](), Counter[str]()
     for item, stratum in strata.items():
-        row = rows.get(item)
-        if row is None or row.probability is not None:
-            size[stratum] = size.get(stratum, 0) + 1
-            taken[stratum] = taken.get(stratum, 0) + (row is not None)
-    for stratum, drawn in taken.items():
-        chance, of = drawn / size[stratum], (_asked.stratum == stratum, _asked.probability.is_not(None))
-        changed = update(schema.asked).where(*of, _asked.probability != chance)
-        connection.execute(changed.values(probability=chance, added_at=now()))
+        row = asked.get(item)
+        if row is None:
+            size[stratum] += 1
+        elif row.probability is not None:
+            size[row.stratum] += 1
+            taken[row.stratum] += 1
+    return {stratum: drawn / size[stratum] for stratum, drawn in taken.items()}
 
 
 def _ask_by_name(connection: Connection) -> None:
@@ -184,6 +195,10 @@ def _picked(connection: Connection, table: Table, column: Any, keys: Iterable[st
         for part in batched(keys, 5000)
         for row in connection.execute(select(table).where(column.in_(part)))
     ]
+
+
+def _likely(row: Drawn, chances: Mapping[str, float]) -> Drawn:
+    return row if row.probability is None else row._replace(probability=chances[row.stratum])
 
 
 def _drawn_row(row: Row[Any]) -> Drawn:

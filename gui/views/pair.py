@@ -12,10 +12,11 @@ from ..palette import Theme, rgb, segment_colours
 from .cameras import Camera, candidate_directions, fitting_distance, look_from, view_scores
 from .links import LinkShape, folded, lay_out
 from .painting import paint_caption, paint_links
-from .pane import Pane
+from .pane import Pane, Surface
 from .scene import Link, Scene, union_colours
 
 _CAPTION = 36
+_REST_IN_THE_DARK = "#7C818A"  # a shape without links beside it should still be seen as a whole
 
 
 class PairDrawing:
@@ -33,13 +34,14 @@ class PairDrawing:
         self.selected: str | None = None
         self.hovered: str | None = None
         self.captions = True
+        self.through = False  # whether what is highlighted shines through what hides it
         self._highlight: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
         self._strong: np.ndarray | None = None
         self._base: list[np.ndarray | None] = [None, None]
 
     # --- what is shown
 
-    def set_scenes(self, source: Scene, target: Scene, aspect: float) -> None:
+    def set_scenes(self, source: Scene | Surface, target: Scene | Surface, aspect: float) -> None:
         """Show two shapes from the usual side in panes of this width / height; links and highlights are dropped."""
         self.links, self.selected, self.hovered = (), None, None
         self._highlight, self._base = ((), ()), [None, None]
@@ -85,8 +87,10 @@ class PairDrawing:
                 continue
             colours = self._colours(side)
             if any(self._highlight):
-                colours = union_colours(colours, self._highlight[side], strong, rgb(self.theme.faded))
+                rest = _REST_IN_THE_DARK if self.through and self.theme.dark else self.theme.faded
+                colours = union_colours(colours, self._highlight[side], strong, rgb(rest))
             pane.set_colours(colours)
+            pane.show_through(self._highlight[side] if self.through else (), strong)
 
     def _colours(self, side: int) -> np.ndarray:
         scene, base = self.panes[side].scene, self._base[side]
@@ -138,7 +142,7 @@ class PairDrawing:
             painter.drawImage(QRectF(side * half, 0, half, height), image)
         painter.setPen(QColor(self.theme.line))
         painter.drawLine(round(half), _CAPTION if self.captions else 0, round(half), height)
-        shapes = self.shapes(width, height, scale)
+        shapes = self.shapes(width, height, scale) if self.links else []
         paint_links(painter, shapes, self.theme, self.selected, self.hovered, self._coloured)
         if self.captions:
             self._paint_captions(painter, half)

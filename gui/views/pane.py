@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (registers the drawing back end)
@@ -38,6 +40,27 @@ vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
 _HIDDEN_BY = 0.02
 _SAMPLES_STILL = 4
 _AMBIENT, _DIFFUSE = 0.38, 0.74
+_THROUGH, _FOREMOST = 0.24, -65_000.0
+
+
+class Surface(NamedTuple):
+    """A scene with what VTK needs of it: the surface with its normals, and the tree that rays are cast through."""
+
+    scene: Scene
+    shown: vtkPolyData
+    locator: vtkStaticCellLocator
+
+
+def surface_of(scene: Scene) -> Surface:
+    """A scene made ready for a pane; needs no graphics, so it may be called in a thread. Serves one pane only."""
+    surface, locator, normals = _surface(scene.points, scene.faces), vtkStaticCellLocator(), vtkPolyDataNormals()
+    locator.SetDataSet(surface)
+    locator.BuildLocator()
+    normals.SetInputData(surface)
+    normals.SetFeatureAngle(38.0)
+    normals.ConsistencyOff()
+    normals.Update()
+    return Surface(scene, normals.GetOutput(), locator)
 
 
 class Pane:
@@ -53,6 +76,7 @@ class Pane:
         self._depth: np.ndarray | None = None
         self._colours: np.ndarray | None = None
         self._actor, self._border = vtkActor(), vtkActor()
+        self._hidden, self._through = vtkActor(), ((), None)
         self._rgb = vtkUnsignedCharArray()
         self._locator = vtkStaticCellLocator()
         self._start_window()
@@ -78,19 +102,11 @@ class Pane:
 
     # --- what is shown
 
-    def set_scene(self, scene: Scene) -> None:
+    def set_scene(self, surface: Scene | Surface) -> None:
         """Show a shape; its colours come with `set_colours`."""
-        self.scene, self._colours = scene, None
+        scene, shown, self._locator = surface if isinstance(surface, Surface) else surface_of(surface)
+        self.scene, self._colours, self._through = scene, None, ((), None)
         self.renderer.RemoveAllViewProps()
-        surface = _surface(scene.points, scene.faces)
-        self._locator.SetDataSet(surface)
-        self._locator.BuildLocator()
-        normals = vtkPolyDataNormals()
-        normals.SetInputData(surface)
-        normals.SetFeatureAngle(38.0)
-        normals.ConsistencyOff()
-        normals.Update()
-        shown = normals.GetOutput()
         self._rgb = vtkUnsignedCharArray()
         self._rgb.SetNumberOfComponents(3)
         self._rgb.SetNumberOfTuples(len(scene.faces))
@@ -99,7 +115,24 @@ class Pane:
         self._border = _actor(vtkPolyData())
         self._border.GetProperty().SetLighting(False)
         self.renderer.AddViewProp(self._actor)
+        self._hidden = _actor(vtkPolyData())
         self.renderer.AddViewProp(self._border)
+        self.renderer.AddViewProp(self._hidden)
+        self._dirty = True
+
+    def show_through(self, segments: Sequence[int], colour: np.ndarray | None = None) -> None:
+        """Let segments shine faintly through whatever hides them, in a colour (3,) uint8; none of them ends it."""
+        wanted = (tuple(segments), None if colour is None else tuple(np.asarray(colour).tolist()))
+        if self.scene is None or wanted == self._through:
+            return
+        self._through = wanted
+        rows = np.isin(self.scene.labels, list(segments))
+        mapper, look = self._hidden.GetMapper(), self._hidden.GetProperty()
+        mapper.SetInputDataObject(_surface(self.scene.points, self.scene.faces[rows]) if rows.any() else vtkPolyData())
+        mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0.0, _FOREMOST)
+        look.SetLighting(False)
+        look.SetOpacity(_THROUGH)
+        look.SetColor(*(np.asarray(wanted[1] or (0, 0, 0)) / 255))
         self._dirty = True
 
     def set_colours(self, colours: np.ndarray) -> None:

@@ -16,6 +16,7 @@ from PySide6.QtWidgets import QApplication, QDialog, QLabel, QPushButton
 from annotation import study
 from engine.shapes import matching
 from engine.shapes.families.collection import off_text
+from engine.shapes.meshfile import load_shape
 from engine.shapes.parameters import DEFAULT_PRESET, PRESETS
 from engine.shapes.proposing import is_judged
 from gui import actions
@@ -69,7 +70,8 @@ def ready(window, files, qtbot):
 
 
 def settle(window, qtbot):
-    qtbot.waitUntil(lambda: not (window.jobs.busy() or window.study_jobs.busy() or window.studies.jobs.busy()), timeout=60_000)
+    busy = (window.jobs.busy, window.study_jobs.busy, window.studies.jobs.busy, lambda: window.study.desk.busy)
+    qtbot.waitUntil(lambda: not any(one() for one in busy), timeout=60_000)
 
 
 def rows(window):
@@ -477,32 +479,34 @@ def test_the_voting_page_asks_everything_once_and_thanks(ready, qtbot):
     assert not ready.status.isVisible()
     asked = []
     for _ in ready.session.state.result.ids:
-        asked.append(ready.study.question.item.id)
+        asked.append(ready.study.question.asked.item_id)
         press(ready, qtbot, Qt.Key.Key_F)
         settle(ready, qtbot)
         assert asked[-1] in votes(ready)
     assert sorted(asked) == sorted(ready.session.state.result.ids)
     assert ready.study.question is None
-    assert "All done" in ready.study.view._message
+    assert "All done" in ready.study.screen.notice.heading.text()
     press(ready, qtbot, Qt.Key.Key_Backspace)
     settle(ready, qtbot)
-    assert ready.study.question.item.id == asked[-1]
+    assert ready.study.question.asked.item_id == asked[-1]
     assert asked[-1] not in votes(ready)
 
 
-def test_a_comment_is_kept_with_the_answer_to_its_question_alone(ready, qtbot, monkeypatch):
+def test_a_comment_is_kept_with_the_answer_to_its_question_alone(ready, qtbot):
     ready.judging.enrol()
     settle(ready, qtbot)
     ready.show_page("study")
     settle(ready, qtbot)
-    monkeypatch.setattr("gui.pages.study.QInputDialog.getText", lambda *_, **__: (" the handle is cut ", True))
-    first = ready.study.question.item.id
-    for key in (Qt.Key.Key_C, Qt.Key.Key_J, Qt.Key.Key_F):
+    first = ready.study.question.asked.item_id
+    press(ready, qtbot, Qt.Key.Key_C)
+    qtbot.keyClicks(ready.study.screen.comment.line, " the jar's foot is cut ")
+    qtbot.keyClick(ready.study.screen.comment.line, Qt.Key.Key_Return)
+    for key in (Qt.Key.Key_J, Qt.Key.Key_F):
         press(ready, qtbot, key)
         settle(ready, qtbot)
     with sqlite3.connect(f"file:{ready.session.state.study}?mode=ro", uri=True) as connection:
         kept = dict(connection.execute("SELECT item_id, comment FROM current_vote"))
-    assert kept.pop(first) == "the handle is cut"
+    assert kept.pop(first) == "the jar's foot is cut"
     assert list(kept.values()) == [""]
 
 
@@ -523,20 +527,21 @@ def test_the_voting_page_finds_shapes_again_or_says_which_are_missing(ready, qtb
     ready.session.update(source=None, target=None, proposals=None, result=None)
     ready.show_page("study")
     settle(ready, qtbot)
-    assert {shape.mesh.name for shape in ready.study.question.shapes} == {"long", "short"}
-    ready.study._kept.clear()
+    faces = {len(surface.scene.faces) for surface in ready.study.question.pair.surfaces}
+    assert faces == {len(load_shape(file).mesh.faces) for file in files[:2]}
+    ready.study.desk._kept.clear()
     with open(files[0], "a") as file:
         file.write("# the same mesh\n")
     ready.show_page("study")
     settle(ready, qtbot)
     assert ready.study.question is not None
-    ready.study._kept.clear()
+    ready.study.desk._kept.clear()
     with open(files[0], "w") as file:
         file.write("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
     ready.show_page("study")
     settle(ready, qtbot)
     assert ready.study.question is None
-    assert "long.off" in ready.study.view._message
+    assert "long.off" in ready.study.screen.notice.text.text()
 
 
 def test_the_table_of_results_follows_the_votes(ready, qtbot, tmp_path):

@@ -31,7 +31,7 @@ from gui.pages.arrange import (
 )
 from gui.pages.files import labels_for, sorted_drop
 from gui.pages.layers import Place, layer_words, node_list, step_layer, step_node
-from gui.pages.questions import progress_text
+from gui.pages.voting_words import progress_text
 from gui.pages.status import judged_text, left_text, seconds_text
 from gui.session import State
 
@@ -191,7 +191,7 @@ def test_seconds():
 
 
 def test_progress_of_a_volunteer():
-    assert progress_text(VotingProgress(37, 240, 1500.0)) == "37 of 240 · about 25 min left"
+    assert progress_text(VotingProgress(37, 240, 1500.0)) == "37 of 240, about 25 min left"
     assert progress_text(VotingProgress(0, 9, None)) == "0 of 9"
     assert progress_text(VotingProgress(9, 9, 0.0)) == "9 of 9"
 

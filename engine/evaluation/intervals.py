@@ -84,16 +84,22 @@ def weighted_interval(parts: object, wholes: object, squares: object, confidence
 
 
 def cluster_robust(k: np.ndarray, n: np.ndarray, confidence: float = 0.95) -> Interval:
-    """Binomial GLM with only a constant, sandwich covariance over clusters, t with G - 1 degrees, back-transformed.
+    """Binomial GLM with only a constant, covariance robust to clusters, t, back-transformed from the logit.
 
-    With one coefficient the sandwich is a sum: se² = G/(G-1) Σ(k - n p)² / (N p (1-p))², on the scale of the logit
-    (Liang & Zeger, Biometrika 73, 1986). `k`, `n` (G,) with G >= 2 and a share strictly between 0 and 1.
+    With one coefficient the sandwich (Liang & Zeger, Biometrika 73, 1986) is a sum over clusters of (k - n p)². Each is
+    raised by 1 / (1 - n/N)², which makes it the delete-one jackknife (MacKinnon & White, J. Econometrics 29, 1985):
+    se² = (G-1)/G Σ (p without the cluster - p)² / (p (1-p))². t has one degree fewer than the effective number of
+    clusters, N² / Σ n² (Carter, Schnepel & Steigerwald, Rev. Econ. Stat. 99, 2017). For clusters of equal size both
+    are what G clusters give, G/(G-1) Σ (k - n p)² with G - 1 degrees. `k`, `n` (G,) with G >= 2 and a share strictly
+    between 0 and 1.
     """
     from scipy.special import expit, logit, stdtrit
 
     g, p = len(n), k.sum() / n.sum()
-    error = np.sqrt(g / (g - 1) * np.sum((k - n * p) ** 2.0)) / (n.sum() * p * (1 - p))
-    reach = stdtrit(g - 1, (1 + confidence) / 2) * error
+    without = (k.sum() - k) / (n.sum() - n)
+    error = np.sqrt((g - 1) / g * np.sum((without - p) ** 2.0)) / (p * (1 - p))
+    degrees = max(float(n.sum()) ** 2 / float(np.sum(np.square(n, dtype=np.float64))) - 1, 1.0)
+    reach = stdtrit(degrees, (1 + confidence) / 2) * error
     return Interval(float(expit(logit(p) - reach)), float(expit(logit(p) + reach)), "cluster-robust GLM, t")
 
 

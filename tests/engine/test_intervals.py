@@ -10,6 +10,7 @@ from engine.evaluation.intervals import (
     cluster_robust,
     clustered_interval,
     ratio_interval,
+    weighted_interval,
     wilson,
 )
 
@@ -33,14 +34,25 @@ def test_fewer_clusters_give_a_wider_interval_at_full_score() -> None:
     assert lows[0] < 0.2 < lows[-1]
 
 
-def test_cluster_robust_equals_statsmodels() -> None:
+def test_cluster_robust_equals_statsmodels_where_pairs_are_equally_large() -> None:
     sm = pytest.importorskip("statsmodels.api")
-    k, n = np.array([3, 10, 0, 7, 5]), np.array([4, 11, 3, 9, 5])
+    k, n = np.array([3, 10, 0, 7, 5]), np.full(5, 11)
     fit = sm.GLM(np.column_stack([k, n - k]), np.ones((5, 1)), family=sm.families.Binomial()).fit(
         cov_type="cluster", cov_kwds={"groups": np.arange(5)}, use_t=True
     )
     expected = 1 / (1 + np.exp(-fit.conf_int()[0]))
     assert cluster_robust(k, n)[:2] == pytest.approx(tuple(expected), abs=1e-9)
+
+
+def test_cluster_robust_of_unequal_pairs_is_the_jackknife_with_fewer_degrees() -> None:
+    """Two pairs of 1 and 3 matches, of which 1 and 1 are right: p = 2/4, without one 1/3, without the other 1; the
+    effective number of pairs is 16 / 10, so t has the least of degrees, 1."""
+    low, high, _ = cluster_robust(np.array([1, 1]), np.array([1, 3]))
+    error = np.sqrt(1 / 2 * ((1 / 3 - 1 / 2) ** 2 + (1 - 1 / 2) ** 2)) / (1 / 2 * 1 / 2)
+    reach = 12.7062 * error
+    assert (low, high) == pytest.approx((1 / (1 + np.exp(reach)), 1 / (1 + np.exp(-reach))), rel=1e-4)
+    even, uneven = (cluster_robust(np.array(k), np.array(n)) for k, n in (([8, 4, 9, 5], [10] * 4), ([8, 4, 9, 5], [10, 5, 10, 15])))
+    assert uneven.high - uneven.low > even.high - even.low
 
 
 def test_the_way_is_named() -> None:
@@ -109,3 +121,24 @@ def test_the_interval_of_amounts_holds_the_truth_nearly_as_often_as_it_says() ->
         found = ratio_interval(n * rng.beta(6, 2, 20), n)
         hits += found.low <= 0.75 <= found.high
     assert 0.9 < hits / 400 < 0.99
+
+
+def test_weights_on_any_scale_give_the_same_interval() -> None:
+    k, n, q = np.array([3.0, 10.0, 0.5, 7.0]), np.array([4.0, 11.0, 3.0, 9.0]), np.array([6.0, 20.0, 4.0, 15.0])
+    found = weighted_interval(k, n, q)
+    assert found.method == "cluster-robust GLM, t, weighted"
+    assert found[:2] == pytest.approx(cluster_robust(k, n)[:2])
+    assert weighted_interval(k * 7, n * 7, q * 49)[:2] == pytest.approx(found[:2])
+
+
+def test_weighted_shares_that_tell_nothing_of_the_spread_take_the_effective_number() -> None:
+    """Two trials of weight 1 and 3 count as (1 + 3)² / (1 + 9) = 1.6 trials."""
+    one = weighted_interval([2.0], [4.0], [10.0])
+    assert one[:2] == pytest.approx(wilson(0.8, 1.6)[:2])
+    assert one.method == "Wilson, one pair only, weighted"
+    full = weighted_interval([4.0, 4.0], [4.0, 4.0], [10.0, 10.0])
+    assert full[:2] == pytest.approx(clopper_pearson(3.2, 3.2, 2)[:2])
+    assert full.method == "Clopper-Pearson, adjusted n, weighted"
+    assert weighted_interval([2.0, 4.0], [4.0, 8.0], [10.0, 20.0])[:2] == pytest.approx(wilson(2.4, 4.8)[:2])
+    assert weighted_interval([], [], []) is None
+    assert weighted_interval([0.0], [0.0], [0.0]) is None

@@ -103,8 +103,12 @@ def precision_table(handle: StudyHandle, *, round: int = 1) -> tuple[PrecisionRo
 
 
 def proposed(handle: StudyHandle) -> tuple[Proposed, ...]:
-    """What each method proposed for each pair, by its newest run there (a re-run replaces, it does not count twice)."""
-    run, match = schema.run.c, schema.run_match.c
+    """What each method proposed for each pair, by its newest run there (a re-run replaces, it does not count twice).
+
+    Practice items count in no table.
+    """
+    run, match, asked = schema.run.c, schema.run_match.c, schema.asked.c
+    counted = match.item_id.not_in(select(asked.item_id).where(asked.role == "practice"))
     group = (run.method, run.preset, run.set_name, run.pair)
     newest = func.row_number().over(partition_by=group, order_by=(run.added_at.desc(), run.id.desc())).label("age")
     with handle.reading() as connection:
@@ -112,7 +116,7 @@ def proposed(handle: StudyHandle) -> tuple[Proposed, ...]:
             select(run.id, *group, run.parameters, run.source, run.target, newest).order_by(*group)
         ).all()
         items: dict[str, list[str]] = {}
-        for row in connection.execute(select(match.run_id, match.item_id).order_by(match.run_id, match.rank)):
+        for row in connection.execute(select(match.run_id, match.item_id).where(counted).order_by(match.run_id, match.rank)):
             items.setdefault(row.run_id, []).append(row.item_id)
     return tuple(
         Proposed(row.method, row.preset, row.set_name, row.pair, row.parameters, tuple(items.get(row.id, ())),

@@ -5,16 +5,16 @@ they are sent (so no log of the server holds one), and shown once.
 """
 
 import secrets
-from collections.abc import Iterator
 from typing import Any
 
 from sqlalchemy import URL, Connection, text, update
 
 from engine.errors import BadInput, BadParameter
 
-from . import schema, serverrules
+from . import schema
 from .handle import StudyHandle
 from .postgres import StudyServer
+from .servergroups import ready_group
 from .voting import checked_code
 from .voting import volunteer as known_volunteer
 
@@ -74,14 +74,6 @@ def invited(server: StudyServer) -> tuple[str, ...]:
         return tuple(connection.scalars(text("SELECT code FROM invited WHERE code IS NOT NULL ORDER BY code")))
 
 
-def grant_again(connection: Connection) -> None:
-    """Grant what volunteers and researchers may do, after views were made anew."""
-    for members, grants in (("volunteers", serverrules.volunteer_grants), ("researchers", serverrules.researcher_grants)):
-        group = _group(connection, members)
-        if connection.scalar(text("SELECT 1 FROM pg_roles WHERE rolname = :name"), {"name": group}):
-            _run(connection, grants(group))
-
-
 def _login(connection: Connection, url: URL, role: str | None, volunteer: str | None) -> str:
     """A login with a new password, and its address."""
     password = secrets.token_urlsafe(24)
@@ -89,32 +81,13 @@ def _login(connection: Connection, url: URL, role: str | None, volunteer: str | 
     verb = "CREATE" if role is None else "ALTER"
     connection.exec_driver_sql(f"{verb} ROLE {made} LOGIN PASSWORD '{_hashed(connection, made, password)}'")
     if role is None:
-        group = _ready_group(connection, "researchers" if volunteer is None else "volunteers")
+        group = ready_group(connection, "researchers" if volunteer is None else "volunteers")
         connection.exec_driver_sql(f"GRANT {group} TO {made}")
         values = {"role": made, "researcher": volunteer is None, "code": volunteer}
         connection.execute(text("INSERT INTO invited (role, researcher, code) VALUES (:role, :researcher, :code)"), values)
     kept = {name: value for name, value in url.query.items() if name in _KEPT_OPTIONS}
     personal = URL.create("postgresql", made, password, url.host, url.port, url.database, kept)
     return personal.render_as_string(hide_password=False)
-
-
-def _ready_group(connection: Connection, members: str) -> str:
-    """The group of all volunteers or researchers of this database, with its rights (granting twice does no harm)."""
-    group = _group(connection, members)
-    if not connection.scalar(text("SELECT 1 FROM pg_roles WHERE rolname = :name"), {"name": group}):
-        connection.exec_driver_sql(f"CREATE ROLE {group} NOLOGIN")
-    _run(connection, serverrules.volunteer_grants(group) if members == "volunteers" else serverrules.researcher_grants(group))
-    database = _quoted(connection, str(connection.scalar(text("SELECT current_database()"))))
-    ours = "SELECT pg_has_role(datdba, 'USAGE') FROM pg_database WHERE datname = current_database()"
-    if connection.scalar(text(ours)):
-        connection.exec_driver_sql(f"REVOKE CONNECT, TEMPORARY ON DATABASE {database} FROM PUBLIC")
-        connection.exec_driver_sql(f"GRANT CONNECT ON DATABASE {database} TO {group}")
-    return group
-
-
-def _group(connection: Connection, members: str) -> str:
-    oid = connection.scalar(text("SELECT oid FROM pg_database WHERE datname = current_database()"))
-    return f"concord_{members}_{oid}"
 
 
 def _check_may_invite(connection: Connection, where: str) -> None:
@@ -136,12 +109,3 @@ def _hashed(connection: Connection, role: str, password: str) -> str:
     raw: Any = connection.connection.dbapi_connection
     hashed: bytes = raw.pgconn.encrypt_password(password.encode(), role.encode(), b"scram-sha-256")
     return hashed.decode()
-
-
-def _quoted(connection: Connection, name: str) -> str:
-    return connection.dialect.identifier_preparer.quote_identifier(name)
-
-
-def _run(connection: Connection, statements: Iterator[str]) -> None:
-    for statement in statements:
-        connection.exec_driver_sql(statement)

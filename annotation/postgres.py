@@ -17,6 +17,7 @@ from engine.errors import BadInput
 
 from . import schema, serverrules
 from .servererrors import LOCK_SECONDS, explained
+from .servergroups import grant_again
 
 CONNECT_SECONDS = 10
 _STUDY_LOCK = 0x436E6364  # key of the advisory lock of the study; with the hash of a code, that of a volunteer
@@ -158,7 +159,6 @@ def _check_version(where: str, version: int | None, code: str | None) -> None:
 
 def _migrate(connection: Connection) -> None:
     """Lead an older study to this version (another process may have done it meanwhile)."""
-    from .invitations import grant_again
     from .migrations import migrate
 
     connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _STUDY_LOCK})

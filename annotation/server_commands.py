@@ -1,20 +1,38 @@
-"""`concord study invite` and `uninvite`: who may vote on a study, and on a server with which address."""
+"""`concord study publish`, `invite` and `uninvite`: studies on a server, and who may vote there with which address."""
 
 from cyclopts import App
 
 from engine.errors import BadInput
 
-from . import invitations
+from . import invitations, publishing
 from .handle import StudyHandle
 from .postgres import StudyServer
-from .study import open_study
+from .study import open_study, shown_place
 from .voting import checked_code
 
 
 def mount(app: App) -> None:
     """Add the commands to the application of studies."""
+    app.command(publish)
     app.command(invite)
     app.command(uninvite)
+
+
+def publish(study: str, address: str, /) -> None:
+    """Copy STUDY, with all its votes, into an empty database on a server.
+
+    The file stays as it is; merge either one into the other later, as often as you like.
+
+    Parameters
+    ----------
+    study
+        The study: a file, or a project folder.
+    address
+        The address of an empty database, postgresql://USER:PASSWORD@HOST:PORT/DATABASE
+    """
+    with open_study(study, backup=False, writable=False) as handle:
+        publishing.publish(handle, address)
+    print(f"{shown_place(study)} is on {shown_place(address)} now; invite volunteers with `concord study invite`.")
 
 
 def invite(study: str, volunteer: str = "", /, *, adjudicator: bool = False, researcher: bool = False, again: bool = False) -> None:

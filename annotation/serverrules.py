@@ -25,6 +25,18 @@ OWN_TABLES = (
 """The number of the version of the schema, and whose connection is whose (no volunteer may read it)."""
 
 _DEFINER = "STABLE SECURITY DEFINER SET search_path = pg_catalog, pg_temp"
+# What an item shows and nothing else, as `annotation.packets.blinded` has it: files may be named after methods. A NUL in
+# a name is no JSON that PostgreSQL can take to pieces.
+SHOWN = r"""CREATE FUNCTION concord.shown(kind text, payload text) RETURNS text LANGUAGE sql IMMUTABLE AS $$
+WITH given AS MATERIALIZED (SELECT replace(payload, '\u0000', '\ufffd')::jsonb AS p)
+SELECT CASE WHEN kind = 'shape' THEN
+(SELECT jsonb_object_agg(side, jsonb_strip_nulls(jsonb_build_object('file', '', 'sha256', p -> side -> 'sha256',
+'segments', p -> side -> 'segments', 'segmentation', p -> side -> 'segmentation')))
+FROM unnest(ARRAY['source', 'target']) AS side)
+ELSE jsonb_strip_nulls(jsonb_build_object('size', p -> 'size', 'pieces',
+(SELECT jsonb_agg(jsonb_build_object('piece', piece -> 'piece', 'x', piece -> 'x', 'y', piece -> 'y', 'png', piece -> 'png')
+ORDER BY place) FROM jsonb_array_elements(p -> 'pieces') WITH ORDINALITY AS t (piece, place))))
+END::text FROM given $$"""
 FUNCTIONS = (
     f"""CREATE FUNCTION concord.own_code() RETURNS text LANGUAGE sql {_DEFINER}
     AS 'SELECT code FROM concord.invited WHERE role = session_user'""",
@@ -33,6 +45,7 @@ FUNCTIONS = (
     f"""CREATE FUNCTION concord.follows_own(earlier text, item text, during integer) RETURNS boolean LANGUAGE sql {_DEFINER}
     AS 'SELECT earlier IS NULL OR EXISTS (SELECT 1 FROM concord.event AS e WHERE e.uuid = earlier AND e.item_id = item
     AND e.round = during AND e.volunteer = concord.own_code())'""",
+    SHOWN,
     """CREATE FUNCTION concord.refuse_change() RETURNS trigger LANGUAGE plpgsql AS
     $$ BEGIN RAISE EXCEPTION 'votes are only ever added: nothing may change or remove one'
     USING ERRCODE = 'restrict_violation'; END $$""",
@@ -54,17 +67,12 @@ POLICIES = (
 )
 
 # Views are read with the rights of the study's owner, who passes row-level security; hence each says whose rows. Items
-# come by their ids, since the order in which a run proposed them is that of its scores, and without the time and the
-# file names that tell runs apart. A NUL in a name is no JSON that PostgreSQL can take to pieces.
-_NAMELESS = (
-    r"""jsonb_set(jsonb_set(replace(payload, '\u0000', '\ufffd')::jsonb, '{source,file}', '""', false), """
-    r"""'{target,file}', '""', false)::text"""
-)
+# come by their ids, since the order in which a run proposed them is that of its scores, and without the time that tells
+# runs apart.
 BLIND_VIEWS = {
     "study": """SELECT id, name, question, guideline, ''::text AS seed, '{}'::text AS settings, app_version, created_at,
     votes, adaptive, unsure FROM concord.study""",
-    "item": f"""SELECT id, kind, CASE kind WHEN 'shape' THEN {_NAMELESS} ELSE payload END AS payload,
-    ''::text AS created_at FROM concord.item ORDER BY id""",
+    "item": "SELECT id, kind, concord.shown(kind, payload) AS payload, ''::text AS created_at FROM concord.item ORDER BY id",
     "practice": "SELECT item_id, answer, reason FROM concord.practice ORDER BY item_id",
     "open_item": "SELECT volunteer, item_id, round FROM concord.open_item WHERE volunteer = concord.own_code() ORDER BY item_id",
     "standing_vote": "SELECT * FROM concord.standing_vote WHERE volunteer = concord.own_code()",
@@ -116,5 +124,5 @@ def researcher_grants(group: str) -> Iterator[str]:
 
 def _callable(group: str) -> Iterator[str]:
     """What the policies call, they call with the rights of whoever asks."""
-    for function in ("own_code()", "is_researcher()", "follows_own(text, text, integer)"):
+    for function in ("own_code()", "is_researcher()", "follows_own(text, text, integer)", "shown(text, text)"):
         yield f"GRANT EXECUTE ON FUNCTION concord.{function} TO {group}"

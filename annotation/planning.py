@@ -62,15 +62,17 @@ def needed(expected: Expectations, design: Design) -> Needed:
     pairs = pairs_needed(expected)
     matches = math.ceil(pairs * expected.per_pair - 1e-9)
     gold = min(matches, gold_wanted(matches, design.gold, design.gold_least))
-    k = min(design.votes or expected.volunteers, expected.volunteers)
-    all_votes, fewer = (votes_each(k, adaptive, expected.disagreement, expected.abstention) for adaptive in (False, True))
+    k, people = design.votes or expected.volunteers, expected.volunteers
+    all_votes, fewer = (
+        votes_each(k, adaptive, expected.disagreement, expected.abstention, people) for adaptive in (False, True)
+    )
     share = design.overlap if design.adaptive and design.votes else 1.0
     each = share * all_votes + (1 - share) * fewer
-    votes = math.ceil((matches - gold) * each + expected.volunteers * (gold + design.practice) - 1e-9)
+    votes = math.ceil((matches - gold) * each + people * (gold + design.practice) - 1e-9)
     hours = votes * expected.seconds / 3600
     return Needed(
         pairs, matches, design_effect(expected.per_pair, expected.correlation), *interval_of(pairs, expected), each, gold,
-        votes, hours, hours / expected.volunteers,
+        votes, hours, hours / people,
     )  # fmt: skip
 
 
@@ -115,17 +117,17 @@ def _first(holds: Callable[[int], bool], low: int, high: int) -> int:
     return high
 
 
-def votes_each(k: int, adaptive: bool, disagreement: float, abstention: float) -> float:
+def votes_each(k: int, adaptive: bool, disagreement: float, abstention: float, volunteers: int) -> float:
     """Expected votes on a match that is to get `k`, by the rule of `annotation.schema.WANTED`.
 
     Volunteers answer as most would with one probability q, 2 q (1 - q) being the share of disagreement. A match that k
-    votes leave unresolved gets one more.
+    votes leave unresolved gets one more, if there is a volunteer left.
     """
     q = (1 + math.sqrt(1 - 2 * disagreement)) / 2
 
     @cache
     def from_here(right: int, wrong: int, votes: int) -> float:
-        if votes > k or (votes == k and right != wrong) or (adaptive and 2 * max(right, wrong) > k):
+        if votes == volunteers or votes > k or (votes == k and right != wrong) or (adaptive and 2 * max(right, wrong) > k):
             return 0.0
         chances = ((q, 1, 0), (1 - q, 0, 1))
         going_on = sum(share * from_here(right + r, wrong + w, votes + 1) for share, r, w in chances)

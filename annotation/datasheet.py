@@ -120,7 +120,8 @@ def as_markdown(sheet: Sheet) -> str:
 def as_json(sheet: Sheet) -> str:
     """The sheet for programs: `answer` is null where it is blank, `to_fill_in` says what is left, null for nothing."""
     answers = [
-        {"number": a.number, "section": SECTIONS[_section(a.number)], "question": a.question, "answer": "\n\n".join(filter(None, (a.known, a.verbatim))) or None,
+        {"number": a.number, "section": SECTIONS[_section(a.number)], "question": a.question,
+         "answer": "\n\n".join(filter(None, (a.known, a.verbatim))) or None,
          "to_fill_in": a.left or (BLANK if a.blank else None)}
         for a in sheet.answers
     ]  # fmt: skip

@@ -30,9 +30,12 @@ class Action(NamedTuple):
 PUZZLE, OTHERS, COLLECTION = ("puzzle",), ("shapes", "study", "results"), ("collection",)
 SHAPES = ("shapes",)
 EDITOR = ("segments",)
-MENUS = ("&File", "&Edit", "&View", "&Judge", "Se&gments", "&Puzzle", "&Study", "&Help")
+EXPORT = "E&xport"
+MENUS = ("&File", "&Edit", "&View", "&Judge", "Se&gments", "&Puzzle", "&Study", EXPORT, "&Help")
+INSIDE = {EXPORT: "&Study"}  # menus that stand in another one
 SEPARATOR_BEFORE = {"open-folder", "open-picture", "export-figure", "export-picture", "quit", "next-match", "next-layer",
-                    "link-cameras", "dark", "undo-vote", "merge-segments", "save-segments", "pin-match", "next-join", "truth"}  # fmt: skip
+                    "link-cameras", "dark", "undo-vote", "merge-segments", "save-segments", "pin-match", "next-join", "truth",
+                    "enrol", "send-packet", "export-votes", "volunteer"}  # fmt: skip
 TABLE = (
     Action("open", "&File", "&Open two meshes…", ("Ctrl+O",), "mdi6.folder-open-outline", lambda w: w.files.open()),
     Action("source-labels", "&File", "&Labels of the source…", (), "", lambda w: w.files.labels(0)),
@@ -127,10 +130,23 @@ TABLE = (
     Action("contrast", "&Puzzle", "Spread the &tones of the close-up", ("C",), "", lambda w: w.puzzle.page.join.contrast.toggle(),
            pages=PUZZLE),
     Action("truth", "&Puzzle", "&Compare with the truth", ("T",), "", lambda w: w.puzzle.page.toggle_truth(), pages=PUZZLE),
-    Action("new-study", "&Study", "&New study…", ("Ctrl+N",), "", lambda w: w.files.new_study()),
+    Action("new-study", "&Study", "&New study…", ("Ctrl+N",), "", lambda w: w.studies.new_study()),
     Action("open-study", "&Study", "&Open study…", ("Ctrl+Shift+O",), "", lambda w: w.studies.open_study()),
+    Action("open-project", "&Study", "Open a &project folder…", (), "", lambda w: w.studies.open_folder()),
+    Action("open-server", "&Study", "Open on a &server…", (), "", lambda w: w.studies.open_server()),
     Action("own-study", "&Study", "My own &votes", (), "", lambda w: w.judging.open()),
     Action("enrol", "&Study", "&Add these matches to the study", (), "", lambda w: w.enrol()),
+    Action("top-up", "&Study", "&Top up…", (), "", lambda w: w.studies.top_up()),
+    Action("send-packet", "&Study", "Send a pac&ket…", (), "", lambda w: w.studies.send_packet()),
+    Action("take-in", "&Study", "Ta&ke in a returned file…", (), "", lambda w: w.studies.take_in()),
+    Action("invite", "&Study", "&Invite a volunteer…", (), "", lambda w: w.studies.invite()),
+    Action("report-csv", EXPORT, "Section as &CSV…", (), "", lambda w: w.studies.report("csv")),
+    Action("report-markdown", EXPORT, "Tables as &Markdown…", (), "", lambda w: w.studies.report("markdown")),
+    Action("report-latex", EXPORT, "Tables as &LaTeX…", (), "", lambda w: w.studies.report("latex")),
+    Action("report-html", EXPORT, "Report with pictures (&HTML)…", (), "", lambda w: w.studies.report("html")),
+    Action("export-votes", EXPORT, "Votes and matches as &tables…", (), "", lambda w: w.studies.export()),
+    Action("datasheet", EXPORT, "&Datasheet…", (), "", lambda w: w.studies.datasheet()),
+    Action("archive", EXPORT, "&Archive…", (), "", lambda w: w.studies.archive()),
     Action("volunteer", "&Study", "&Who is voting…", (), "", lambda w: w.files.name_volunteer()),
     Action("keys", "&Help", "&Keys", ("F1", "?"), "", lambda w: w.show_keys()),
     Action("about", "&Help", "&About Concord", (), "", lambda w: w.show_about()),
@@ -188,8 +204,10 @@ def icon(name: str, colour: str) -> QIcon:
 
 def fill_menus(window: "MainWindow", actions: dict[str, QAction]) -> dict[str, QMenu]:
     """The menu bar, from the table."""
-    menus = {name: window.menuBar().addMenu(name) for name in MENUS}
+    menus = {name: window.menuBar().addMenu(name) for name in MENUS if name not in INSIDE}
     for row in TABLE:
+        if row.menu not in menus:
+            menus[row.menu] = menus[INSIDE[row.menu]].addMenu(row.menu)
         if row.id in SEPARATOR_BEFORE:
             menus[row.menu].addSeparator()
         menus[row.menu].addAction(actions[row.id])

@@ -119,6 +119,7 @@ class MainWindow(QMainWindow):
         self._connect()
         menus.furnish_menus(self)
         menus.furnish_wishes(self)
+        menus.furnish_exports(self)
         self.furnished = True
         self._add_icons()
         self.show_page("shapes")
@@ -128,7 +129,8 @@ class MainWindow(QMainWindow):
     def _connect(self) -> None:
         self.session.changed.connect(self._changed)
         self.judging.failed.connect(self.say)
-        self.results.said.connect(self.status.text.setText)
+        self.results.volunteers.wanted.connect(self.studies.command)
+        self.results.disputed.opened.connect(self.studies.show_disputed)
         self.shapes.view.files_dropped.connect(self.files.drop)
         self.shapes.automatic.numbered.connect(self.automatic.number)
         self.shapes.automatic.edited.connect(self.segments.edit)
@@ -257,9 +259,11 @@ class MainWindow(QMainWindow):
 
     def turn(self) -> None:
         """Turn the shapes slowly, or stop that."""
+        if self.page == "study":
+            self.study.turn()
+            return
         on = self.actions_by_id["turntable"].isChecked()
-        for name in ("shapes", "study"):
-            self.pages[name].view.turntable(on)
+        self.shapes.view.turntable(on)
 
     def stop(self) -> None:
         """Stop what runs; leave the page-alone mode if nothing does."""

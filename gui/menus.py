@@ -37,6 +37,15 @@ def furnish_wishes(window: "MainWindow") -> None:
     window.shapes.wish.more.setMenu(menu)
 
 
+def furnish_exports(window: "MainWindow") -> None:
+    """The menu of the button on the page of results: the same as in the menu of studies."""
+    for row in actions.TABLE:
+        if row.menu == actions.EXPORT:
+            if row.id in actions.SEPARATOR_BEFORE:
+                window.results.export_menu.addSeparator()
+            window.results.export_menu.addAction(window.actions_by_id[row.id])
+
+
 def _fill_examples(window: "MainWindow", menu: QMenu) -> None:
     from assets import example_pairs
 

@@ -1,5 +1,6 @@
 """A declared group of values as calm rows: caption, editor, what it means, and below it what is wrong with it."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -20,7 +21,12 @@ from PySide6.QtWidgets import (
 from engine.parameters import ParameterInfo, Parameters, declared
 
 LONG_TEXTS = ("guideline",)
-EDITOR_WIDTH = 160
+EDITOR_WIDTH = 112
+
+
+def decimals(step: float) -> int:
+    """Digits after the point that a step needs."""
+    return max(0, math.ceil(-math.log10(step) - 1e-9))
 
 
 class Row(QWidget):
@@ -28,9 +34,9 @@ class Row(QWidget):
 
     edited = Signal(str)
 
-    def __init__(self, info: ParameterInfo, text: bool, caption: str, parent: QWidget | None = None) -> None:
+    def __init__(self, info: ParameterInfo, caption: str, compact: bool, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.info, self.text = info, text
+        self.info, self.text = info, info.kind == "text"
         self.caption = QLabel(caption, self)
         self.caption.setObjectName("field")
         self.help, self.error = QLabel(info.doc, self, wordWrap=True), QLabel("", self, wordWrap=True)
@@ -48,16 +54,21 @@ class Row(QWidget):
             self.caption.hide()
             self.editor.setText(caption)
             column.addWidget(self.editor)
-        elif text:
+        elif self.text:
             column.addWidget(self.caption)
             column.addWidget(self.editor)
         else:
             line = QHBoxLayout()
             line.setSpacing(12)
-            line.addWidget(self.caption)
+            line.addWidget(self.caption, 1 if compact else 0)
             line.addWidget(self.editor)
-            line.addStretch(1)
+            if not compact:
+                line.addStretch(1)
             column.addLayout(line)
+        if compact:
+            self.help.hide()
+            for widget in (self.caption, self.editor):
+                widget.setToolTip(info.doc)
         column.addWidget(self.help)
         column.addWidget(self.error)
 
@@ -83,16 +94,25 @@ class Row(QWidget):
             editor.valueChanged.connect(said)
         return editor
 
+    @property
+    def percent(self) -> bool:
+        """Whether the value is a share, shown in per cent."""
+        return self.info.kind == "real" and self.info.high is not None and self.info.high <= 1 and not self.info.symbol
+
     def _number(self) -> QSpinBox | QDoubleSpinBox:
         info = self.info
         low, high = info.low or 0, info.high if info.high is not None else 1e9
         if info.kind == "integer":
             editor = QSpinBox(self)
             editor.setRange(int(low), int(min(high, 2**31 - 1)))
+            editor.setSingleStep(int(info.step or 1))
         else:
-            editor = QDoubleSpinBox(self, decimals=0 if high == 1 else 3)
-            editor.setRange(100 * low, 100) if high == 1 else editor.setRange(low, high)
-            editor.setSuffix(" %" if high == 1 else f" {info.unit}".rstrip())
+            by, step = (100, info.step or 0.01) if self.percent else (1, info.step or 0.1)
+            editor = QDoubleSpinBox(self, decimals=decimals(by * step))
+            editor.setRange(by * low, by * high)
+            editor.setSingleStep(by * step)
+        unit = "%" if self.percent else "s" if info.unit == "s" else ""
+        editor.setSuffix(f" {unit}" if unit else "")
         editor.setFixedWidth(EDITOR_WIDTH)
         return editor
 
@@ -114,7 +134,7 @@ class Row(QWidget):
             return self.editor.toPlainText()
         if isinstance(self.editor, QLineEdit):
             return self.editor.text()
-        return self.editor.value() / 100 if self.info.high == 1 and self.info.kind == "real" else self.editor.value()
+        return round(self.editor.value() / 100, 6) if self.percent else self.editor.value()
 
     def show_value(self, value: Any) -> None:
         """Display a value."""
@@ -127,7 +147,7 @@ class Row(QWidget):
         elif isinstance(self.editor, QLineEdit):
             self.editor.setText(str(value))
         else:
-            self.editor.setValue(100 * value if self.info.high == 1 and self.info.kind == "real" else value or 0)
+            self.editor.setValue(100 * value if self.percent else round(value) if self.info.kind == "integer" else value)
 
     def show_error(self, sentence: str) -> None:
         """Say what is wrong, or nothing."""
@@ -141,16 +161,16 @@ class DesignForm(QWidget):
     edited = Signal(str)
 
     def __init__(self, model: type[Parameters], names: Sequence[str], parent: QWidget | None = None,
-                 captions: Mapping[str, str] | None = None) -> None:  # fmt: skip
+                 captions: Mapping[str, str] | None = None, *, compact: bool = False) -> None:  # fmt: skip
         super().__init__(parent)
         self.rows: dict[str, Row] = {}
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(16)
+        column.setSpacing(4 if compact else 16)
         for info in declared(model):
             if info.name in names:
                 caption = (captions or {}).get(info.name) or info.name.replace("_", " ").capitalize()
-                row = Row(info, model.model_fields[info.name].annotation is str, caption, self)
+                row = Row(info, caption, compact, self)
                 row.show_value(info.default)
                 row.edited.connect(self.edited)
                 column.addWidget(row)

@@ -9,14 +9,13 @@ from PySide6.QtWidgets import QFileDialog, QInputDialog
 
 from engine.errors import ConcordError
 
-from ..folders import data_folder, settings
+from ..folders import settings
 
 if TYPE_CHECKING:
     from ..main_window import MainWindow
 
 MESHES = "Meshes and labels (*.off *.obj *.ply *.stl *.glb *.seg)"
 LABELS = "Labels, one integer a face (*.seg *.txt);;All files (*)"
-STUDIES = "Studies (*.db)"
 FIGURES = "PNG picture (*.png);;SVG drawing (*.svg);;PDF document (*.pdf)"
 
 
@@ -25,7 +24,7 @@ def sorted_drop(paths: Iterable[str]) -> tuple[list[str], list[str], list[str]]:
     kinds: tuple[list[str], list[str], list[str]] = ([], [], [])
     for path in paths:
         ending = Path(path).suffix.lower()
-        kinds[{".seg": 1, ".db": 2}.get(ending, 0)].append(path)
+        kinds[{".seg": 1, ".db": 2, ".study": 2, ".concord": 2}.get(ending, 0)].append(path)
     return kinds
 
 
@@ -119,7 +118,7 @@ class Files(QObject):
                             "pictures or a folder of them.")  # fmt: skip
             return
         if studies:
-            self.window.judging.open(studies[0])
+            self.window.studies.open(studies[0])
         if self.waiting and len(meshes) == 1:
             meshes.insert(0, self.waiting)
         if len(meshes) == 1:
@@ -155,14 +154,6 @@ class Files(QObject):
         self.window.attempt(lambda: write_matches(result, folder), f"Matches written to {folder}")
         if result.wishes:
             self.window.wish_files.write(folder / "wishes.json")
-
-    def new_study(self) -> None:
-        """Ask for a name and make a study file."""
-        start = str(data_folder() / "study.db")
-        path, _ = QFileDialog.getSaveFileName(self.window, "New study", start, STUDIES,
-                                              options=QFileDialog.Option.DontConfirmOverwrite)  # fmt: skip
-        if path:
-            self.window.judging.open(path if Path(path).suffix else path + ".db", create=True)
 
     def name_volunteer(self) -> None:
         """Ask for the code of who votes."""

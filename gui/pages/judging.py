@@ -32,12 +32,12 @@ def read_snapshot(handle: study.StudyHandle, code: str) -> Snapshot:
     return Snapshot(study.answers(handle, code), verdicts)
 
 
-def opened(path: Path, create: bool) -> study.StudyHandle:
-    """Open a study file; `create` makes it if it is missing."""
-    if create and not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        return study.create_study(path, name=path.stem)
-    return study.open_study(path, busy_seconds=BUSY_SECONDS)
+def opened(where: Path | str, create: bool) -> study.StudyHandle:
+    """Open a study in a file, in a folder or on a server; `create` makes a file if it is missing."""
+    if create and not Path(where).exists():
+        Path(where).parent.mkdir(parents=True, exist_ok=True)
+        return study.create_study(where, name=Path(where).stem)
+    return study.open_study(where, busy_seconds=BUSY_SECONDS)
 
 
 class Judging(QObject):
@@ -46,6 +46,7 @@ class Judging(QObject):
     saved = Signal(str)
     """what happened, in a word or two, after it reached the disk"""
     refreshed = Signal()
+    opened = Signal()
     failed = Signal(str, str)
 
     def __init__(self, session: Session, jobs: Jobs, parent: QObject | None = None) -> None:
@@ -60,13 +61,26 @@ class Judging(QObject):
         jobs.failed.connect(self._give_up)
 
     def open(self, path: Path | str | None = None, *, create: bool = False) -> None:
-        """Open a study (the default one without a path, made on first use); the open one stays if that fails."""
-        wanted, code = Path(path) if path else default_study(), self.session.state.volunteer
-        make = create or path is None
+        """Open a study by its path or address (the default one without, made on first use); the open one stays if that
+        fails."""
+        wanted = path or default_study()
+        make = (create or path is None) and not study.is_url(wanted)
+        self._follow(lambda: opened(wanted, make))
+
+    def adopt(self, handle: study.StudyHandle) -> None:
+        """Go on with a study that is open already (it was just made)."""
+        self._follow(lambda: handle)
+
+    def _follow(self, opening: Callable[[], study.StudyHandle]) -> None:
+        code = self.session.state.volunteer
 
         def work(_: Any) -> tuple[study.StudyHandle, Snapshot]:
-            handle = opened(wanted, make)
-            return handle, read_snapshot(handle, code)
+            handle = opening()
+            try:
+                return handle, read_snapshot(handle, handle.volunteer or code)
+            except BaseException:
+                handle.close()
+                raise
 
         def done(answer: tuple[study.StudyHandle, Snapshot]) -> None:
             before, (self.handle, snapshot) = self.handle, answer
@@ -74,7 +88,9 @@ class Judging(QObject):
                 before.close()
             self._enrolled.clear()
             self._kept.clear()
-            self._take(snapshot, study=str(wanted))
+            who = {"volunteer": self.handle.volunteer} if self.handle.volunteer else {}  # of a packet, or invited
+            self._take(snapshot, study=self.handle.where, **who)
+            self.opened.emit()
             self._enrol_if_judged(self.session.state)
 
         self.jobs.start("study", work, done, words="Opening the study", policy=QUEUE)

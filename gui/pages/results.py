@@ -1,40 +1,50 @@
 """The page of results: one choice at the top, and below it what the votes of the open study say of that."""
 
-from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QFileDialog, QHBoxLayout, QLabel, QMenu, QPushButton, QStackedWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QStackedWidget, QVBoxLayout, QWidget
 
-from annotation.study import StudyHandle
-from annotation.tabletext import render
-from engine.errors import ConcordError
-from engine.store import write_atomically
+from annotation.findings import Findings, findings
+from annotation.study import StudyFile, StudyHandle
 
 from ..jobs import FOLLOW, Jobs
 from ..session import Session, State
 from .choice_bar import ChoiceBar
 from .elided import ElidedLabel
 from .judging import Judging
+from .match_preview import read_match
+from .questions import Shapes
+from .results_disputed import DisputedSection
 from .results_precision import PrecisionSection
+from .results_tables import TablesSection
+from .volunteers import VolunteersSection
 
 NO_STUDY = "No study is open. Make one with Study > New study, or open one with Study > Open study."
+ONE_VOLUNTEER = "This is what one volunteer is asked. Results are shown where the whole study is open."
+NO_AGREEMENT = "No match has been judged by two volunteers yet; agreement shows once a second one votes."
+NO_COMPARISON = ("There are no two methods with judged matches on the same pairs yet. Match the same pairs with another preset, "
+                 "and put what it finds into the study with Study > Top up.")  # fmt: skip
 READING = "Reading the votes …"
-CHOICES = (("precision", "Precision"),)
-EXPORTS = (("csv", "Table as &CSV…", "csv"), ("markdown", "Table as &Markdown…", "md"))
+CHOICES = (("precision", "Precision"), ("agreement", "Agreement"), ("compared", "Methods compared"), ("disputed", "Disputed"),
+           ("volunteers", "Volunteers"))  # fmt: skip
 
 
 class ResultsPage(QWidget):
     """Reads what is chosen when it is shown, and again after each vote."""
 
     failed = Signal(str, str)
-    said = Signal(str)
 
     def __init__(self, session: Session, judging: Judging, jobs: Jobs, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.session, self.judging, self.jobs = session, judging, jobs
         self.precision = PrecisionSection(self)
-        self.sections: dict[str, Any] = {"precision": self.precision}
+        self.agreement = TablesSection(("agreement", "volunteers", "sensitivity"), NO_AGREEMENT, self)
+        self.compared = TablesSection(("compared",), NO_COMPARISON, self)
+        self.disputed, self.volunteers = DisputedSection(self), VolunteersSection(self)
+        self.sections: dict[str, Any] = {name: getattr(self, name) for name, _ in CHOICES}
+        self._known: tuple[StudyHandle, Findings] | None = None
+        self._kept: Shapes = {}
         self.stack = QStackedWidget(self)
         for section in self.sections.values():
             self.stack.addWidget(section)
@@ -48,7 +58,9 @@ class ResultsPage(QWidget):
         column.addLayout(self._head())
         column.addWidget(self.stack, 1)
         session.changed.connect(self.apply)
-        judging.refreshed.connect(self._refresh_if_shown)
+        judging.refreshed.connect(self._refresh)
+        self.disputed.picked.connect(self._show_match)
+        self.precision.thesis.toggled.connect(lambda _: self.begin())
         self.apply(State(), session.state, frozenset(State.__slots__))
 
     def _head(self) -> QHBoxLayout:
@@ -58,8 +70,6 @@ class ResultsPage(QWidget):
         self.export_button = QPushButton("Export", self)
         self.export_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.export_menu = QMenu(self.export_button)
-        for style, words, _ in EXPORTS:
-            self.export_menu.addAction(words).triggered.connect(lambda _=False, style=style: self.ask_export(style))
         self.export_button.setMenu(self.export_menu)
         row = QHBoxLayout()
         row.setSpacing(16)
@@ -67,6 +77,16 @@ class ResultsPage(QWidget):
         row.addWidget(self.file, 1)
         row.addWidget(self.export_button)
         return row
+
+    @property
+    def section(self) -> str:
+        """The section that is exported alone."""
+        return self.bar.choice
+
+    @property
+    def preset(self) -> str:
+        """The table of precision that was asked for."""
+        return "thesis" if self.precision.thesis.isChecked() else "modern"
 
     @property
     def content(self) -> Any:
@@ -90,15 +110,26 @@ class ResultsPage(QWidget):
         if handle is None:
             self._show_empty(NO_STUDY)
             return
+        if handle.volunteer is not None:
+            self._show_empty(ONE_VOLUNTEER)
+            return
+        known = self._known[1] if self._known is not None and self._known[0] is handle else None
+        self.volunteers.show_server(not isinstance(handle, StudyFile))
         if self.stack.currentWidget() is not section:
             self._show_empty(READING)
 
-        def work(_: Any) -> Any:
-            return read(section, handle)
+        plain, preset = name != "precision" or self.preset == "modern", self.preset
 
-        def done(content: Any) -> None:
+        def work(_: Any) -> tuple[Any, Findings | None]:
+            if hasattr(section, "read") and plain:
+                return section.read(handle), known
+            found = known or findings(handle)
+            return found._replace(preset=preset), found
+
+        def done(answer: tuple[Any, Findings | None]) -> None:
             if self.judging.handle is handle and self.bar.choice == name:
-                self._show(section, content)
+                self._known = (handle, answer[1]) if answer[1] is not None else None
+                self._show(section, answer[0])
 
         self.jobs.start("results", work, done, words="Reading the votes", policy=FOLLOW)
 
@@ -112,25 +143,21 @@ class ResultsPage(QWidget):
         self.empty.setText(sentence)
         self.stack.setCurrentWidget(self.empty)
 
-    def _refresh_if_shown(self) -> None:
+    def _show_match(self, item: str) -> None:
+        """Find the picture of a disputed match in the worker."""
+        handle, kept = self.judging.handle, self._kept
+
+        def done(found: Any) -> None:
+            if self.disputed.chosen == item:
+                self.disputed.preview.show_match(found)
+
+        if handle is not None:
+            self.jobs.start("picture", lambda _: read_match(handle, item, kept), done, policy=FOLLOW)
+
+    def _refresh(self) -> None:
+        self._known = None
         if self.isVisible():
             self.begin()
-
-    def ask_export(self, style: str) -> None:
-        """Ask where to, and write the table."""
-        ending = next(ending for name, _, ending in EXPORTS if name == style)
-        path, _ = QFileDialog.getSaveFileName(self, "Export the table", f"precision.{ending}", f"*.{ending}")
-        if path:
-            self.export(Path(path), style)
-
-    def export(self, path: Path, style: str) -> None:
-        """Write the table in a style; a message where that cannot be."""
-        try:
-            write_atomically(path, render(self.content.rows, self.content.votes, style))
-        except ConcordError as error:
-            self.failed.emit(str(error), "")
-        else:
-            self.said.emit(f"Table written to {path}")
 
     def apply(self, _old: State, state: State, names: frozenset[str]) -> None:
         """Follow the theme and the study file."""
@@ -139,14 +166,9 @@ class ResultsPage(QWidget):
                 section.set_dark(state.dark)
         if "study" in names:
             self.file.setText(state.study)
-            self._refresh_if_shown()
+            self._refresh()
 
     def shutdown(self) -> None:
         """Give back what the sections hold of the graphics system."""
         for section in self.sections.values():
             section.shutdown()
-
-
-def read(section: Any, handle: StudyHandle) -> Any:
-    """What a section shows of a study."""
-    return section.read(handle)

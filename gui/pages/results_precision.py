@@ -4,8 +4,10 @@ from typing import NamedTuple
 
 from PySide6.QtCore import QModelIndex, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
-from PySide6.QtWidgets import QLabel, QStyledItemDelegate, QStyleOptionViewItem, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QLabel, QStyledItemDelegate, QStyleOptionViewItem, QVBoxLayout, QWidget
 
+from annotation.findings import Findings
+from annotation.findings_tables import tables
 from annotation.precision import ALL_SETS, Ballot, PrecisionRow, ballots, precision_table
 from annotation.study import StudyHandle
 from annotation.tabletext import agreement_line, row_name
@@ -14,6 +16,7 @@ from ..palette import theme
 from .arrange import share_text
 from .plots import IntervalPlot, Mark
 from .quiet_table import fill, quiet_table
+from .results_tables import TablesView
 
 HEADS = ("method", "preset", "set", "pairs", "judged", "✓", "✗", "tie", "precision", "95 % interval", "volunteers")
 INTERVAL = HEADS.index("95 % interval")
@@ -109,11 +112,16 @@ class PrecisionSection(QWidget):
         self.plot = IntervalPlot("precision, %", self)
         self.plot.setMinimumHeight(150)
         self.plot.setMaximumHeight(340)
+        self.thesis = QCheckBox("as in Tables 3.1/3.2", self)
+        self.thesis.setToolTip("The mean weighted by pairs, and the standard deviation of the sets")
+        self.as_thesis = TablesView(self)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(12)
         column.addWidget(self.table, 3)
+        column.addWidget(self.as_thesis, 3)
         column.addWidget(self.notes)
+        column.addWidget(self.thesis)
         column.addWidget(self.plot, 4)
         column.addStretch(0)
 
@@ -122,8 +130,16 @@ class PrecisionSection(QWidget):
         """The rows and votes of a study."""
         return Table(precision_table(handle), ballots(handle))
 
-    def show_content(self, content: Table) -> bool:
-        """Show rows, notes and plot; whether there is anything to show."""
+    def show_content(self, content: Table | Findings) -> bool:
+        """Show rows, notes and plot, or the table of the thesis; whether there is anything to show."""
+        thesis = isinstance(content, Findings)
+        for widget in (self.table, self.notes):
+            widget.setVisible(not thesis)
+        self.as_thesis.setVisible(thesis)
+        if isinstance(content, Findings):
+            self.as_thesis.show_tables(tables(content, "precision"))
+            self._plot((*content.rows, *content.chosen))
+            return bool(content.rows or content.chosen)
         self.content = content
         fill(self.table, [cells(row) for row in content.rows], _WORDS)
         for line, row in enumerate(content.rows):
@@ -134,10 +150,13 @@ class PrecisionSection(QWidget):
             row.parameter_sets > 1 for row in content.rows) else ""  # fmt: skip
         legend = "The dot is the precision, the line its 95 % interval, the band what the undecided could make of it.\n"
         self.notes.setText(legend + starred + agreement_line(content.votes))
-        drawn = marks(content.rows)
+        self._plot(content.rows)
+        return bool(content.rows)
+
+    def _plot(self, rows: tuple[PrecisionRow, ...]) -> None:
+        drawn = marks(rows)
         self.plot.setVisible(bool(drawn))
         self.plot.show_marks(drawn, self.dark)
-        return bool(content.rows)
 
     def set_dark(self, dark: bool) -> None:
         """Follow the theme."""

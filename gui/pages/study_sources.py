@@ -1,33 +1,36 @@
 """What a new study may be made of: what the window shows, files of results, and other studies. No widget here."""
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from annotation.design import Plan
 from annotation.matchesfile import run_of_json
 from annotation.puzzlejoins import solution_run
 from annotation.records import Run
-from annotation.resultfile import read_results
+from annotation.resultfiles import find_results, find_shapes, read_all
+from annotation.study import about, open_study
+from annotation.studyruns import runs_of_study, shapes_of_study
 from engine.errors import BadInput
-from engine.progress import Progress
+from engine.progress import Progress, share
 
 if TYPE_CHECKING:
     from engine.shapes.result import MatchResult
 
     from ..session import State
+    from .calculator import Expected
     from .collection_state import CollectionState
     from .puzzle_state import PuzzleState
 
-RESULT_FILES = ("matches.json", "solution.json")
-MOST_FILES = 5000
-
 
 class Source(NamedTuple):
-    """Results that may be judged: what they are called, their runs, and the shapes that their items show."""
+    """Results that may be judged: their name, their runs, the shapes that their items show, and in sentences those not found."""
 
     title: str
     runs: tuple[Run, ...]
     shapes: tuple[Any, ...] = ()
+    missing: tuple[str, ...] = ()
 
     @property
     def detail(self) -> str:
@@ -54,8 +57,9 @@ def counted(sources: Iterable[Source]) -> Counted:
 def counts_text(sources: Sequence[Source]) -> str:
     """'240 matches of 3 methods on 12 pairs'."""
     found = counted(sources)
-    return (f"{plural(found.matches, 'match', 'matches')} of {plural(found.methods, 'method')} "
-            f"on {plural(found.pairs, 'pair or puzzle', 'pairs or puzzles')}")  # fmt: skip
+    kinds = {run.kind for source in sources for run in source.runs}
+    one, many = ("pair", "pairs") if kinds == {"shape"} else ("puzzle", "puzzles") if kinds == {"puzzle"} else ("", "pairs and puzzles")
+    return f"{plural(found.matches, 'match', 'matches')} of {plural(found.methods, 'method')} on {plural(found.pairs, one, many)}"
 
 
 def plural(count: int, one: str, many: str = "") -> str:
@@ -86,44 +90,48 @@ def _run(result: "MatchResult", set_name: str) -> Run:
     return run_of_json(result_to_json(result), set_name)
 
 
-def result_files(path: Path) -> list[Path]:
-    """The files of results that a path means: itself, or all in a folder; raises `BadInput` where there is none."""
-    if not path.is_dir():
-        return [path]
-    found = sorted(file for name in RESULT_FILES for file in path.rglob(name))
-    if not found:
-        raise BadInput(f"{path} holds no matches.json and no solution.json; choose a folder into which results were exported.")
-    if len(found) > MOST_FILES:
-        raise BadInput(f"{path} holds {len(found)} files of results; choose a folder with at most {MOST_FILES}.")
-    return found
-
-
-def read_source(path: Path, set_name: str, progress: Progress) -> Source:
-    """The results in a file or a folder, as one source, with the shapes that lie where the files say."""
-    files = result_files(path)
-    runs = []
-    for row, file in enumerate(files):
-        progress(row / len(files), f"Reading {file.parent.name}/{file.name}")
-        runs.append(read_results(file, set_name))
+def read_source(path: Path, progress: Progress) -> Source:
+    """The results in a file or a folder, as one source, with the shapes that can be found again."""
+    files = find_results([str(path)])
+    runs = read_all(files, progress=share(progress, 0.0, 0.5))
     if not any(run.proposals for run in runs):
         raise BadInput(f"{path} holds results without a single match; choose others.")
-    return Source(path.name if path.is_dir() else f"{path.parent.name}/{path.name}", tuple(runs), tuple(shapes_of(runs)))
+    found = find_shapes(files, runs, progress=share(progress, 0.5, 1.0))
+    name = path.name if path.is_dir() else f"{path.parent.name}/{path.name}"
+    return Source(name, runs, tuple(found.shapes.values()), found.missing)
 
 
-def shapes_of(runs: Iterable[Run]) -> list[Any]:
-    """The shapes of runs that can be read from where they were, each once; the others are found when they are shown."""
-    from engine.shapes.identity import mesh_id
-    from engine.shapes.meshfile import load_shape
+def study_source(path: Path, progress: Progress) -> Source:
+    """The results of another study, to be judged again; that study is not changed."""
+    with open_study(path, backup=False, writable=False) as handle:
+        progress(0.1, f"Reading {path.name}")
+        runs = tuple(run for run in runs_of_study(handle) if run.proposals)
+        if not runs:
+            raise BadInput(f"{path} has no results; choose another study.")
+        progress(0.5, f"Reading {path.name}")
+        return Source(about(handle).name, runs, tuple(shapes_of_study(handle, runs).values()))
 
-    found: dict[tuple[str, str], Any] = {}
-    for side in (side for run in runs if run.kind == "shape" for side in (run.source, run.target)):
-        key = str(side.get("file", "")), str(side.get("sha256", ""))
-        if key in found or not Path(key[0] or "?").is_file():
-            continue
-        try:
-            shape = load_shape(Path(key[0]))
-        except BadInput:
-            continue
-        if mesh_id(shape.mesh) == key[1]:
-            found[key] = shape
-    return list(found.values())
+
+def plan_text(sources: Sequence[Source], plan: Plan, expected: "Expected") -> str:
+    """'240 matches of 3 methods on 12 pairs: 200 are asked …', for the last step."""
+    roles = Counter(row.role for row in plan.asked)
+    lines = [counts_text(sources) + "."]
+    asked = [plural(roles["judged"], "match", "matches") + " to be judged"]
+    asked += [f"{roles[role]} {role}" for role in ("gold", "practice") if roles[role]]
+    lines.append(", ".join(asked) + "; " + expected_text(expected) + ".")
+    missing = [sentence for source in sources for sentence in source.missing]
+    if missing:
+        lines.append(f"{plural(len(missing), 'mesh', 'meshes')} not found ({missing[0]}); matches of it can be judged only "
+                     "where it lies.")  # fmt: skip
+    return "\n".join([*lines, *plan.notes])
+
+
+def expected_text(expected: "Expected") -> str:
+    """'about 560 votes, about 4 h for 3 volunteers'."""
+    return (f"about {plural(round(expected.votes), 'vote')}, about {hours_text(expected.hours)} "
+            f"for {'each of ' if expected.volunteers > 1 else ''}{plural(expected.volunteers, 'volunteer')}")  # fmt: skip
+
+
+def hours_text(hours: float) -> str:
+    """'4 h', '35 min'."""
+    return f"{hours:.1f} h".replace(".0 h", " h") if hours >= 1.5 else f"{max(1, round(60 * hours))} min"

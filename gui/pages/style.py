@@ -27,5 +27,14 @@ def window_style(colours: Theme) -> str:
     QPushButton#choice:checked {{ color: {colours.ink}; border-bottom-color: {colours.accent}; font-weight: 600; }}
     QPushButton#choice:focus {{ border-bottom-color: {colours.line}; }}
     QPushButton#choice:checked:focus {{ border-bottom-color: {colours.accent}; }}
+    QDialog#calm, QDialog#calm QScrollArea, QDialog#calm QScrollArea > QWidget > QWidget {{ background: {colours.paper}; }}
+    QLabel#field-error {{ color: {colours.wrong}; }}
+    QLabel#summary {{ background: {colours.panel}; border-radius: 4px; padding: 8px 12px; }}
+    QFrame#wizard-rail {{ background: {colours.panel}; border-right: 1px solid {colours.line}; }}
+    QPushButton#wizard-step {{ border: none; background: transparent; text-align: left; color: {colours.soft_ink}; padding: 8px; }}
+    QPushButton#wizard-step:hover {{ color: {colours.ink}; }}
+    QPushButton#wizard-step:checked {{ color: {colours.ink}; font-weight: 600; background: {colours.raised}; border-radius: 4px; }}
+    QFrame#calculator {{ border: 1px solid {colours.line}; border-radius: 6px; }}
+    QFrame#calculator QLabel#summary {{ background: {colours.panel}; }}
     QMenuBar {{ background: {colours.panel}; border-bottom: 1px solid {colours.line}; }}
     """

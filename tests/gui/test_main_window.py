@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QApplication, QDialog, QLabel, QPushButton
+from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QLabel, QPushButton
 
 from annotation import study
 from engine.shapes import matching
@@ -544,7 +544,7 @@ def test_the_voting_page_finds_shapes_again_or_says_which_are_missing(ready, qtb
     assert "long.off" in ready.study.screen.notice.text.text()
 
 
-def test_the_table_of_results_follows_the_votes(ready, qtbot, tmp_path):
+def test_the_table_of_results_follows_the_votes(ready, qtbot, tmp_path, monkeypatch):
     ready.step_match(1)
     for key in (Qt.Key.Key_J, Qt.Key.Key_J, Qt.Key.Key_F):
         press(ready, qtbot, key)
@@ -553,11 +553,15 @@ def test_the_table_of_results_follows_the_votes(ready, qtbot, tmp_path):
     settle(ready, qtbot)
     (row,) = ready.results.content.rows
     assert (row.method, row.set_name, row.correct, row.wrong) == (DEFAULT_PRESET, "bars", 2, 1)
-    ready.results.export(tmp_path / "table.csv", "csv")
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, **__: (str(tmp_path / "table.csv"), ""))
+    ready.actions_by_id["report-csv"].trigger()
+    settle(ready, qtbot)
     with open(tmp_path / "table.csv", newline="") as file:
         (line,) = csv.DictReader(file)
     assert float(line["micro_precision"]) == pytest.approx(2 / 3)
-    ready.results.export(tmp_path / "nowhere" / "table.csv", "csv")
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, **__: (str(tmp_path / "nowhere" / "table.csv"), ""))
+    ready.actions_by_id["report-csv"].trigger()
+    settle(ready, qtbot)
     assert ready.messages.isVisible()
 
 

@@ -17,6 +17,7 @@ from engine.errors import BadInput
 from . import schema
 from .forgetting import bury, clean_backups, lay_to_rest
 from .handle import StudyHandle
+from .packets import shapes_shown
 from .study import open_study
 from .tombstones import Tombstone, read_tombstones
 from .topup import settle_probabilities
@@ -43,6 +44,7 @@ class _Content(NamedTuple):
     tables: dict[str, list[Cells]]
     events: list[Cells]
     tombstones: tuple[Tombstone, ...]
+    shapes: list[str]
 
     @property
     def packet(self) -> str | None:
@@ -88,12 +90,22 @@ def merge_handles(source: StudyHandle, target: StudyHandle, *, other_study: bool
 
 
 def _read(connection: Connection) -> _Content:
-    return _Content(
+    found = _Content(
         connection.execute(select(schema.study)).one(),
         {table.name: every_row(connection, table) for table in _MERGED},
         every_row(connection, schema.event),
         read_tombstones(connection),
+        list(connection.scalars(select(schema.blob.c.key).order_by(schema.blob.c.key))),
     )
+    return found if found.packet is None else _answered(found)
+
+
+def _answered(packet: _Content) -> _Content:
+    """Of a packet the items that have votes: what they refer to should its study not know it yet."""
+    ids = {row["item_id"] for row in packet.events}
+    items = [row for row in packet.tables["item"] if row["id"] in ids]
+    shown = [json.loads(row["payload"]) for row in items if row["kind"] == "shape"]
+    return packet._replace(tables=packet.tables | {"item": items}, shapes=shapes_shown(shown, packet.shapes))
 
 
 def _check_relation(theirs: _Content, ours: Row[Any], source: str, target: StudyHandle, other_study: bool) -> None:
@@ -127,7 +139,7 @@ def _take(connection: Connection, theirs: _Content, source: StudyHandle) -> Merg
            for table in (_MERGED if whole else _OF_A_PACKET)}  # fmt: skip
     if json.loads(theirs.study.settings).get("tops_up") == ours.id:
         settle_probabilities(connection)
-    unite_blobs(connection, source, only_new=not whole)
+    unite_blobs(connection, source, theirs.shapes, only_new=not whole)
     events = append(connection, _left(_own(theirs, source.where), buried.event), source.where)
     return Merged(new["item"], new.get("run", 0), new["volunteer"], events, gone)
 

@@ -6,7 +6,7 @@ adds to it is merged into the study (see `annotation.exchange`).
 """
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,7 +19,7 @@ from .blobs import keep_shapes, shape_key
 from .database import create_file
 from .handle import StudyHandle
 from .proposals import canonical
-from .records import Item, OpenItem
+from .records import OpenItem
 from .shownitems import shown_parts
 from .stamps import now
 from .uniting import Cells
@@ -94,29 +94,30 @@ def _embed(handle: StudyHandle, chosen: Sequence[OpenItem]) -> None:
     lost: set[str] = set()
     for one in chosen:
         shown = item(handle, one.item_id)
-        if shown.kind == "shape" and not all(_keys_of(side, kept) for side in shown.payload.values()):
-            try:
-                parts = shown_parts(handle, shown)
-            except BadInput:
-                lost |= _files(shown)
-                continue
-            keep_shapes(handle, parts[:2])
-            kept |= {shape_key(side) for side in shown.payload.values()}
+        sides = [shown.payload[name] for name in ("source", "target")] if shown.kind == "shape" else []
+        if all(_keys_of(side, kept) for side in sides):
+            continue
+        try:
+            keep_shapes(handle, shown_parts(handle, shown)[:2])
+            kept |= {shape_key(side) for side in sides}
+        except BadInput:
+            lost |= {Path(side["file"]).name or side["sha256"][:12] for side in sides}
     if lost:
         names = ", ".join(sorted(lost)[:5]) + (" and others" if len(lost) > 5 else "")
         raise BadInput(f"The shapes that matches show are neither in the study nor in their files ({names}); put these beside "
                        "the study as they were matched.")  # fmt: skip
 
 
-def _keys_of(side: dict[str, Any], keys: Iterable[str]) -> list[str]:
+def shapes_shown(payloads: Iterable[Mapping[str, Any]], keys: Collection[str]) -> list[str]:
+    """Those of `keys` whose shapes are shown by items of shapes with these payloads, in order."""
+    return sorted({key for payload in payloads for side in payload.values() for key in _keys_of(side, keys)})
+
+
+def _keys_of(side: Mapping[str, Any], keys: Collection[str]) -> list[str]:
     """The keys of the shapes that a side may mean (see `annotation.blobs.kept_shapes`)."""
     if side.get("segmentation"):
         return [key for key in (shape_key(side),) if key in keys]
     return [key for key in keys if key.startswith(f"{side['sha256']}:")]
-
-
-def _files(shown: Item) -> set[str]:
-    return {Path(side["file"]).name or side["sha256"][:12] for side in shown.payload.values()}
 
 
 def _hand_out(handle: StudyHandle, code: str, ids: Iterable[str]) -> list[str]:
@@ -177,6 +178,6 @@ def _fill(fresh: Connection, contents: dict[str, list[Cells]], study: Connection
             fresh.execute(insert(schema.metadata.tables[name]), rows)
     kept = set(study.scalars(select(schema.blob.c.key)))
     shown = [json.loads(row["payload"]) for row in contents["item"] if row["kind"] == "shape"]
-    for key in sorted({key for payload in shown for side in payload.values() for key in _keys_of(side, kept)}):
+    for key in shapes_shown(shown, kept):
         content = study.scalars(select(schema.blob.c.content).where(schema.blob.c.key == key)).one()
         fresh.execute(insert(schema.blob).values(key=key, content=bytes(content)))

@@ -45,11 +45,11 @@ def every_row(connection: Connection, table: Table) -> list[Cells]:
     return [dict(row._mapping) for row in connection.execute(select(table))]
 
 
-def unite_blobs(connection: Connection, source: StudyHandle, *, only_new: bool = False) -> None:
-    """Add the shapes of the other study, one at a time; of two that are packed differently the longer stays."""
+def unite_blobs(connection: Connection, source: StudyHandle, keys: Iterable[str], *, only_new: bool = False) -> None:
+    """Add shapes of the other study, one at a time; of two that are packed differently the longer stays."""
     known = set(connection.scalars(select(_blob.key)))
     with source.reading() as other:
-        for key in other.scalars(select(_blob.key).order_by(_blob.key)).all():
+        for key in keys:
             if key not in known:
                 connection.execute(insert(schema.blob).values(key=key, content=_content(other, key)))
             elif not only_new and (theirs := _content(other, key)) != (ours := _content(connection, key)):

@@ -6,14 +6,16 @@ writes), every commit reaches the disk before it returns, and readers never wait
 
 import contextlib
 import json
+import random
 import sqlite3
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Self
 
 from sqlalchemy import Connection, Engine, QueuePool, create_engine, event, select
-from sqlalchemy.exc import DatabaseError, IntegrityError, ProgrammingError
+from sqlalchemy.exc import DatabaseError, IntegrityError, OperationalError, ProgrammingError
 
 from engine.errors import BadInput
 
@@ -242,6 +244,29 @@ def connectable(path: Path, busy_seconds: float, options: str = "mode=rw") -> En
 
     @event.listens_for(made, "begin")
     def begin(connection: Connection) -> None:
-        connection.exec_driver_sql(connection.get_execution_options().get("begin", "BEGIN IMMEDIATE"))
+        if connection.get_execution_options().get("begin") == "BEGIN":
+            connection.exec_driver_sql("BEGIN")
+        else:
+            _take_turn(connection, busy_seconds)
 
     return made
+
+
+def _take_turn(connection: Connection, busy_seconds: float) -> None:
+    """Take the write lock, asking for it again every few milliseconds.
+
+    SQLite's own waiting asks ever more seldom, so that who waits longest waits longer still.
+    """
+    end = time.monotonic() + busy_seconds
+    connection.exec_driver_sql("PRAGMA busy_timeout=0")
+    try:
+        while True:
+            try:
+                connection.exec_driver_sql("BEGIN IMMEDIATE")
+                return
+            except OperationalError as error:
+                if "locked" not in str(error.orig) or time.monotonic() > end:
+                    raise
+            time.sleep(random.uniform(0.001, 0.008))
+    finally:
+        connection.exec_driver_sql(f"PRAGMA busy_timeout={round(1000 * busy_seconds)}")

@@ -4,12 +4,14 @@ import csv
 import io
 
 import pytest
+from findings_world import cast, ran
 from judging_world import CANDLE, LAMP, ONE_TO_ONE, VASE, identity, result, study_of
+from sqlalchemy import insert
 
-from annotation import study
+from annotation import schema, study
 from annotation.matchesfile import run_of_json
-from annotation.precision import ALL_SETS, ballots, precision_table
-from annotation.tabletext import agreement_line, render
+from annotation.precision import ALL_SETS, ballots, counted, precision_table, sample, tabulate, without
+from annotation.tabletext import agreement_line, notes, render
 from engine.errors import BadParameter
 from engine.evaluation.averages import thesis_average
 from engine.evaluation.intervals import clustered_interval
@@ -156,3 +158,64 @@ def test_thesis_average_by_hand():
 )
 def test_the_eight_numbers_of_tables_3_1_and_3_2(percentages, pairs, mean, deviation):
     assert thesis_average(percentages, pairs) == pytest.approx((mean, deviation), abs=6e-4)
+
+
+def test_a_sample_is_weighted_by_what_each_drawn_match_stands_for():
+    """One pair, a (p 1/4) right, b (p 1) wrong, c drawn and unseen (p 1/2), d not drawn: 4 / 5, bounds 4/7 and 6/7."""
+    (row,) = tabulate([ran("m", "pair", "a b c d")], cast(a="c", b="w", d="w"), {"a": 4.0, "b": 1.0, "c": 2.0})
+    assert (row.micro, row.macro) == pytest.approx((4 / 5, 4 / 5))
+    assert (row.bound_low, row.bound_high) == pytest.approx((4 / 7, 6 / 7))
+    assert (row.matches, row.drawn, row.judged, row.seen, row.sampled) == (4, 3, 3, 3, True)
+    assert row.interval.method == "Wilson, one pair only, weighted"
+    assert "1 / p" in " ".join(notes([row]))
+
+
+def test_a_sample_of_equal_chances_gives_the_figures_of_its_counts():
+    results, votes = [ran("m", "p", "a b c"), ran("m", "q", "d e")], cast(a="c", b="w", c="c", d="c", e="c")
+    (plain,), (drawn,) = tabulate(results, votes), tabulate(results, votes, dict.fromkeys("abcde", 4.0))
+    assert drawn.micro == pytest.approx(plain.micro)
+    assert drawn.interval[:2] == pytest.approx(plain.interval[:2])
+    assert drawn.interval.method == plain.interval.method
+
+
+def test_nobody_has_seen_is_not_unresolved():
+    """Of four: one right, one tied, one with an abstention alone, one unseen; two of the three seen are unresolved."""
+    (row,) = tabulate([ran("m", "pair", "a b c d")], cast(a="cc", b="cw", c="u"))
+    assert (row.seen, row.unresolved, row.judged, row.unjudged) == (3, pytest.approx(2 / 3), 2, 2)
+    assert (row.bound_low, row.bound_high) == pytest.approx((1 / 4, 1.0))
+
+
+def test_the_study_says_what_its_drawn_matches_stand_for(tmp_path):
+    with study_of(tmp_path / "a.db") as handle:
+        assert sample(handle) is None
+        rows = [{"item_id": item, "role": "judged", "reason": "", "stratum": "", "probability": p, "overlapped": 0, "added_at": ""}
+                for item, p in ((FOOT, 1.0), (STEM, 0.5))]  # fmt: skip
+        rows.append(rows[0] | {"item_id": SHADE, "role": "practice", "answer": "wrong", "probability": None})
+        with handle.writing() as connection:
+            for row in rows:
+                connection.execute(insert(schema.asked).values(row))
+        assert sample(handle) == {FOOT: 1.0, STEM: 2.0}
+        study.record_vote(handle, SHADE, "anna", "correct", round=0)
+        vote(handle, "anna", foot="w", stem="c")
+        (found,) = precision_table(handle)
+        assert (found.micro, found.votes, found.drawn) == (pytest.approx(2 / 3), 2, 2)
+
+
+def test_pooled_recall_is_of_pairs_where_everything_was_seen():
+    """On p both methods were seen whole: a, b, d are right, m has a and b. On q one proposal was not seen."""
+    results = [ran("m", "p", "a b c"), ran("n", "p", "a d"), ran("m", "q", "e"), ran("n", "q", "f g"), ran("m", "r", "h")]
+    rows = tabulate(results, cast(a="c", b="c", c="w", d="c", e="c", f="c", h="c"))
+    assert [(row.recall, row.recall_pairs) for row in rows] == [(pytest.approx(2 / 3), 1), (pytest.approx(2 / 3), 1)]
+    assert tabulate([ran("m", "p", "a")], cast(a="c"))[0].recall is None
+
+
+def test_votes_taken_away_are_votes_that_were_never_given():
+    votes = cast(a="cwc", b="uw", c="..c")
+    for code in ("anna", "bert", "carl"):
+        own = [v for v in votes if v.volunteer == code]
+        assert without(counted(votes), own) == counted([v for v in votes if v.volunteer != code])
+
+
+def test_guided_and_named_methods_have_chosen_parameters():
+    results = [ran("m", "p", "a"), ran("n", "p", "a"), ran("k (guided)", "p", "a")]
+    assert [row.chosen for row in tabulate(results, cast(a="c"), chosen=["n"])] == [True, False, True]

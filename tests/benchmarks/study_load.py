@@ -17,10 +17,10 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "annotation"))
 
-from killing import VOTER, Told, add_many, begin, started, told  # noqa: E402
+from killing import VOTER, Told, add_many, begin, started, told
 
-from annotation import study  # noqa: E402
-from annotation.invitations import invite  # noqa: E402
+from annotation import study
+from annotation.invitations import invite
 
 
 @contextlib.contextmanager

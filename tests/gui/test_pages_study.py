@@ -1,8 +1,10 @@
-"""The voting page with joins of a puzzle among matches of shapes: one question after the other, the same answers."""
+"""The voting page of the researcher's window: joins of a puzzle among matches of shapes, the same answers for both."""
 
 import pytest
 from puzzle_world import cut_up, joins_of, solved, touching
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel, QPushButton
+from voting_world import settle
 
 from annotation import study
 from annotation.puzzlejoins import add_solution, join_ids
@@ -37,20 +39,15 @@ def page(qtbot, mixed, bar):
     judging = Judging(session, jobs)
     page = StudyPage(session, judging)
     qtbot.addWidget(page)
-    keep(page._kept, mesh_id(bar.mesh), bar)
+    keep(page.desk._kept, mesh_id(bar.mesh), bar)
     page.resize(1000, 640)
     page.show()
     judging.open(mixed[0])
-    qtbot.waitUntil(lambda: judging.handle is not None)
-    settle(qtbot, page)
+    qtbot.waitUntil(lambda: judging.handle is not None and page.question is not None, timeout=20_000)
     yield page
     judging.close()
     page.shutdown()
     jobs.close()
-
-
-def settle(qtbot, page):
-    qtbot.waitUntil(lambda: not page.judging.jobs.busy() and not page.judging.saving, timeout=20_000)
 
 
 def walk(qtbot, page, answers):
@@ -59,52 +56,70 @@ def walk(qtbot, page, answers):
     for answer in answers:
         asked.append(page.question)
         page.answer(answer)
-        settle(qtbot, page)
+        settle(qtbot, page.desk)
     return asked
 
 
 def test_joins_and_matches_are_asked_once_each(qtbot, page, mixed):
     _, match, joins = mixed
     asked = walk(qtbot, page, ["correct"] * 3)
-    assert {question.item.id for question in asked} == {match, *joins}
+    assert {question.asked.item_id for question in asked} == {match, *joins}
     assert page.question is None
-    assert "All done" in page.view._message
-    assert page.stage.currentWidget() is page.view
+    assert "All done" in page.screen.notice.heading.text()
     assert set(study.answers(page.judging.handle, "anna").values()) == {"correct"}
+
+
+def test_the_rest_of_the_window_learns_of_the_votes(qtbot, page):
+    (question,) = walk(qtbot, page, ["wrong"])
+    qtbot.waitUntil(lambda: page.session.state.answers == {question.asked.item_id: "wrong"}, timeout=10_000)
 
 
 def test_each_kind_has_its_view_and_its_words(qtbot, page):
     for _ in range(3):
         joined = isinstance(page.question, JoinQuestion)
         assert joined or isinstance(page.question, Question)
-        assert page.stage.currentWidget() is (page.join_view if joined else page.view)
-        assert page.words.text() == (JOIN_QUESTION if joined else study.DEFAULT_QUESTION)
-        assert ("turns the shapes" in page.hint.text()) != joined
+        screen = page.screen
+        assert screen.stage.currentWidget() is (screen.join_view if joined else screen.view)
+        assert screen.words.text() == (JOIN_QUESTION if joined else study.DEFAULT_QUESTION)
+        assert screen.small.tools["turn"].isVisible() != joined
         if joined:
-            assert page.join_view.picture is page.question.picture
+            assert screen.join_view.picture is page.question.picture
         page.answer("unsure")
-        settle(qtbot, page)
+        settle(qtbot, page.desk)
 
 
 def test_a_vote_can_be_taken_back_and_its_join_shows_again(qtbot, page, mixed):
     while not isinstance(page.question, JoinQuestion):
         walk(qtbot, page, ["correct"])
     (question,) = walk(qtbot, page, ["wrong"])
-    (vote,) = study.current_votes(page.judging.handle, [question.item.id])
+    (vote,) = study.current_votes(page.judging.handle, [question.asked.item_id])
     assert (vote.answer, vote.volunteer, vote.presentation) == ("wrong", "anna", {})
     page.undo()
-    settle(qtbot, page)
-    assert page.question.item.id == question.item.id
-    assert question.item.id not in study.answers(page.judging.handle, "anna")
+    settle(qtbot, page.desk)
+    assert page.question.asked == question.asked
+    assert question.asked.item_id not in study.answers(page.judging.handle, "anna")
 
 
 def test_a_question_left_for_the_end_comes_back(qtbot, page):
-    first = page.question.item.id
+    first = page.question.asked
     page.skip()
-    settle(qtbot, page)
+    settle(qtbot, page.desk)
     asked = walk(qtbot, page, ["correct"] * 2)
-    assert first not in {question.item.id for question in asked}
-    assert page.question.item.id == first
+    assert first not in {question.asked for question in asked}
+    assert page.question.asked == first
+    page.skip()  # the last one stays
+    settle(qtbot, page.desk)
+    assert page.question.asked == first
+
+
+def test_what_cannot_be_shown_is_told_to_the_researcher(qtbot, page, mixed):
+    page.desk._kept.clear()
+    page.begin()
+    settle(qtbot, page.desk)
+    walk(qtbot, page, ["correct"] * 2)
+    assert page.question is None
+    assert "bar.off" in page.screen.notice.text.text()
+    assert page.screen.notice.heading.text() == "2 of 3 answered"
 
 
 def test_a_study_s_own_question_is_asked_of_joins_too(qtbot, tmp_path, page):
@@ -112,8 +127,18 @@ def test_a_study_s_own_question_is_asked_of_joins_too(qtbot, tmp_path, page):
     with study.create_study(tmp_path / "own.study", name="Own", question="Same jar?") as handle:
         add_solution(handle, puzzle, solved(puzzle, truth))
     page.judging.open(tmp_path / "own.study")
-    qtbot.waitUntil(lambda: page.words.text() == "Same jar?", timeout=20_000)
+    qtbot.waitUntil(lambda: page.screen.words.text() == "Same jar?", timeout=20_000)
     assert isinstance(page.question, JoinQuestion)
+
+
+def test_keys_work_without_menus(qtbot, page):
+    first = page.question.asked.item_id
+    qtbot.keyClick(page.screen, Qt.Key.Key_G)
+    assert "Guideline" in page.screen.notice.heading.text()
+    qtbot.keyClick(page.screen, Qt.Key.Key_Escape)
+    qtbot.keyClick(page.screen, Qt.Key.Key_J)
+    settle(qtbot, page.desk)
+    assert study.answers(page.judging.handle, "anna") == {first: "correct"}
 
 
 def test_nothing_shown_tells_who_proposed_a_join(page, qtbot):

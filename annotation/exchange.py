@@ -54,15 +54,9 @@ class _Content(NamedTuple):
 
 
 def merge(path_into: Path | str, path_from: Path | str, *, other_study: bool = False) -> Merged:
-    """Take everything of one study (a file or a server) into another; see `merge_handles`.
-
-    Where that deletes volunteers, they are deleted from the backups of a file too.
-    """
+    """Take everything of one study (a file or a server) into another; see `merge_handles`."""
     with open_study(path_from, backup=False, writable=False) as source, open_study(path_into) as target:
-        merged = merge_handles(source, target, other_study=other_study)
-        if merged.forgotten:
-            clean_backups(target)
-        return merged
+        return merge_handles(source, target, other_study=other_study)
 
 
 def merge_handles(source: StudyHandle, target: StudyHandle, *, other_study: bool = False) -> Merged:
@@ -71,7 +65,7 @@ def merge_handles(source: StudyHandle, target: StudyHandle, *, other_study: bool
     Merging any copies in any order, any number of times, gives the same content. A packet gives its votes alone, and a
     study that tops up another one goes into that. Raises `BadInput`, and changes nothing, for two different studies
     (unless `other_study`), a packet of another study, a packet that is to take something in, and events of one id that
-    differ, which no honest history has.
+    differ, which no honest history has. Volunteers who are deleted in one are deleted in the other, and in its backups.
     """
     with source.reading() as connection:
         theirs = _read(connection)
@@ -84,7 +78,8 @@ def merge_handles(source: StudyHandle, target: StudyHandle, *, other_study: bool
             merged = _take(connection, theirs, source)
     except IntegrityError as error:
         raise BadInput(f"{source.where} does not hold together ({error.orig}); nothing was taken from it.") from None
-    if merged.forgotten:
+    if theirs.tombstones:
+        clean_backups(target)
         target.purge()
     return merged
 

@@ -12,7 +12,6 @@ from .archive import archive as write_archive
 from .archive import unpack as take_apart
 from .exporting import FORMATS
 from .exporting import export as write_export
-from .forgetting import clean_backups
 from .forgetting import forget as forget_volunteer
 from .packets import make_packet
 from .study import open_study, volunteers
@@ -83,10 +82,9 @@ def forget(study: str, volunteer: str, /, *, votes_too: Flag = False) -> None:
     """
     with open_study(study, backup=False) as handle:
         gone = forget_volunteer(handle, volunteer, votes_too=votes_too)
-        backups = clean_backups(handle)
     kept = f"{_count(gone.kept, 'vote or undo stays', 'votes and undos stay')} as {gone.pseudonym}"
     print(f"{study}: the volunteer is deleted; {kept if not votes_too else f'{gone.removed} votes and undos are gone'}.")
-    for words, files in (("Rewritten", backups.rewritten), ("Removed", backups.removed)):
+    for words, files in (("Rewritten", gone.backups.rewritten), ("Removed", gone.backups.removed)):
         if files:
             print(f"{words}: {', '.join(str(file) for file in files)}")
     if gone.mentions:

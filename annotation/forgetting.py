@@ -28,16 +28,6 @@ from .voting import checked_code
 _events, _volunteers, _tombs = schema.event.c, schema.volunteer.c, schema.forgotten.c
 
 
-class Forgotten(NamedTuple):
-    """What became of a volunteer: the new code, the votes and undos under it, those removed, and the texts of others
-    (comments, the question) in which the old code still stands."""
-
-    pseudonym: str
-    kept: int
-    removed: int
-    mentions: int
-
-
 class Cleaned(NamedTuple):
     """The backups that were rewritten, and those that had to be removed."""
 
@@ -45,8 +35,19 @@ class Cleaned(NamedTuple):
     removed: tuple[Path, ...]
 
 
+class Forgotten(NamedTuple):
+    """What became of a volunteer: the new code, the votes and undos under it, those removed, the texts of others
+    (comments, the question) in which the old code still stands, and what became of the backups."""
+
+    pseudonym: str
+    kept: int
+    removed: int
+    mentions: int
+    backups: Cleaned
+
+
 def forget(handle: StudyHandle, code: str, *, votes_too: bool = False) -> Forgotten:
-    """Delete a volunteer from an open study, once and for all; asking again cleans the file again.
+    """Delete a volunteer from an open study and its backups, for good; asking again cleans the files again.
 
     Raises `BadInput` where the study never heard of the volunteer, is a packet, or is read by another program just now.
     """
@@ -66,8 +67,9 @@ def forget(handle: StudyHandle, code: str, *, votes_too: bool = False) -> Forgot
         after = connection.scalar(select(func.count()).select_from(schema.event)) or 0
         kept = connection.scalar(select(func.count()).where(_events.volunteer == made.pseudonym)) or 0
         mentions = _mentions(connection, code)
+    backups = clean_backups(handle)
     handle.purge()
-    return Forgotten(made.pseudonym, kept, before - after, mentions)
+    return Forgotten(made.pseudonym, kept, before - after, mentions, backups)
 
 
 def bury(connection: Connection, rows: Iterable[Tombstone]) -> Tombstones:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import wilcoxon
 
-from engine.evaluation.paired import holm, paired_test
+from engine.evaluation.paired import holm, mcnemar, paired_test
 
 
 def test_counts_and_difference_leave_out_what_is_unknown():
@@ -52,3 +52,10 @@ def test_holm_by_hand():
     assert holm([0.01, 0.04, None, 0.03]) == pytest.approx((0.03, 0.06, None, 0.06))
     assert holm([0.9, 0.8]) == (1, 1)
     assert holm([]) == ()
+
+
+def test_mcnemar_by_hand():
+    """Of 6 discordant cases all for one: 2 / 2^6; 5 to 1: 2 (1 + 6) / 2^6; without any nothing differs."""
+    assert mcnemar(0, 6) == mcnemar(6, 0) == pytest.approx(2 / 64)
+    assert mcnemar(5, 1) == pytest.approx(2 * 7 / 64)
+    assert mcnemar(0, 0) == mcnemar(3, 3) == 1.0

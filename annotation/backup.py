@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import shutil
 import sqlite3
 import tempfile
 import time
@@ -12,6 +13,7 @@ from .places import sync_folder
 
 KEPT = 5
 EVERY_SECONDS = 3600.0
+_STAGED, _LEFT_SECONDS = ".staged.", 3600.0
 _STAMP, _TICK = "%Y%m%dT%H%M%S.%f", timedelta(microseconds=1)
 
 
@@ -55,7 +57,10 @@ def back_up(raw: sqlite3.Connection, path: Path, label: str = "") -> Path:
             stamp = max(stamp, datetime.strptime(last.name[len(path.name) + 1 :] + "Z", f"{_STAMP}%z") + _TICK)
     target = _folder(path) / ".".join(filter(None, (path.name, label, stamp.strftime(_STAMP))))
     target.parent.mkdir(exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".staged.") as folder:
+    for left in target.parent.glob(f"{_STAGED}*"):  # of a process that was killed
+        if not 0 <= time.time() - _mtime(left) < _LEFT_SECONDS:
+            shutil.rmtree(left, ignore_errors=True)
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=_STAGED) as folder:
         staged = Path(folder) / "copy"
         with contextlib.closing(sqlite3.connect(staged)) as copy:
             raw.backup(copy)

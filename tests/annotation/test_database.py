@@ -231,6 +231,16 @@ def test_a_backup_that_cannot_be_made_does_not_stop_the_work(path):
     assert vote_count(path) == 2
 
 
+def test_what_a_killed_process_left_of_a_copy_goes_in_time(path):
+    for age, name in ((7200, ".staged.old"), (60, ".staged.new")):
+        (path.with_name("backups") / name).mkdir(parents=True)
+        (path.with_name("backups") / name / "copy").write_text("half")
+        os.utime(path.with_name("backups") / name, (time.time() - age,) * 2)
+    study.open_study(path).close()
+    names = {found.name for found in path.with_name("backups").iterdir()}
+    assert names == {".staged.new", backup.backups(path)[0].name}
+
+
 def newer_schema(monkeypatch, *statements: str) -> None:
     """A next version, whose step is these statements."""
 

@@ -257,7 +257,7 @@ def _name_known(
     known = knownanswers.read_known(answers) if answers is not None else _answers_of(source)
     with open_study(file) as handle:
         made = name(handle, known, most)
-    print(f"{handle.where}: {_count(made, f'{what} match', f'{what} matches')} more, of {len(known)} known answers.")
+    print(f"{handle.where}: {_count(made, f'{what} match', f'{what} matches')} more, of {_count(len(known), 'known answer')}.")
 
 
 def _answers_of(text: str) -> knownanswers.Known:

@@ -204,6 +204,7 @@ class VotingDesk(QObject):
         def done(found: tuple[OpenItem, ...]) -> None:
             self._queue = self._queue.refresh(found, step)
             self.go_on() if self._wanted else self._prepare()
+            self.recheck()
 
         def failed(sentence: str) -> None:
             if self._wanted:
@@ -211,6 +212,19 @@ class VotingDesk(QObject):
                 self._trouble(sentence, self.go_on)
 
         self._look(lambda: study.open_items(handle, code), done, failed)
+
+    def recheck(self) -> None:
+        """See whether what is asked has been answered meanwhile in another window of the same volunteer; go on if so."""
+        handle, code, question, step = self.handle, self.code, self.question, self._queue.step
+        if handle is None or question is None or self._given or self.unsaved or question.asked in self._queue.answered:
+            return
+
+        def done(found: str) -> None:
+            if found and self.question is question and self._queue.step == step and not self.saving:
+                self._queue = self._queue.elsewhere([question.asked])
+                self.go_on()
+
+        self._look(lambda: own_answer(handle, code, question.asked), done, lambda _: None)
 
     def _look(self, work: Callable[[], Any], done: Callable[[Any], None], failed: Callable[[str], None]) -> None:
         """Read in the thread for reading; an answer about a study or volunteer of before is dropped."""

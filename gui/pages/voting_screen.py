@@ -310,11 +310,13 @@ class VotingScreen(QWidget):
         return super().eventFilter(watched, event)
 
     def event(self, event: QEvent) -> bool:
-        """Count no time while another window is in front."""
+        """Count no time while another window is in front, and see then whether it answered the same question."""
         if event.type() == QEvent.Type.WindowDeactivate:
             self.watch.leave()
-        elif event.type() == QEvent.Type.WindowActivate and self.whole.currentIndex() == 0:
-            self.watch.come_back()
+        elif event.type() == QEvent.Type.WindowActivate:
+            if self.whole.currentIndex() == 0:
+                self.watch.come_back()
+            self.desk.recheck()
         return super().event(event)
 
     def set_theme(self, theme: Theme) -> None:

@@ -65,15 +65,18 @@ def mount(app: App, draw: "PartsDrawer | None" = None) -> None:
         if not 0 <= pictures <= 100:
             raise BadParameter(f"--pictures cannot be {pictures}: it takes 0 to 100.")
         with open_study(file, backup=False, writable=False) as handle:
-            votes, others = _parts(read_votes(handle), held_out, split_seed)
-            found = worked_out(votes, preset=preset, chosen=_known(votes, tuned or ()))
+            every = read_votes(handle)
+            named = _known(every, tuned or ())
+            votes, others = _parts(every, held_out, split_seed)
+            found = worked_out(votes, preset=preset, chosen=named)
             if format == "csv":
                 give(as_csv(values(found, section)), out)
                 return
             shown, lead = tables(found, section), lead_of(found, section)
             if others is not None:
-                shown += _beside(worked_out(others.others, preset=preset, chosen=tuned or ()))
-                lead += f"; {len(others.names)} pairs held out by seed {split_seed}: {', '.join(others.names)}"
+                shown += _beside(worked_out(others.others, preset=preset, chosen=named))
+                pairs = "1 pair" if held_out == 1 else f"{held_out} pairs"
+                lead += f"; {pairs} held out by seed {split_seed}: {', '.join(others.names)}"
             give(_page(handle, found, lead, shown, draw, pictures) if format == "html" else written(lead, shown, format), out)
 
     for command in (table, overview, datasheet):

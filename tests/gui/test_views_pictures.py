@@ -2,6 +2,7 @@ import struct
 
 import numpy as np
 import pytest
+from PySide6.QtGui import QImage
 
 from engine.errors import ConcordError
 from engine.shapes.parameters import preset
@@ -107,3 +108,21 @@ def test_the_inspector_picks_hides_and_isolates(qapp, qtbot, tmp_path, make_bar)
     window.save_picture(tmp_path / "a.png")
     assert png_size((tmp_path / "a.png").read_bytes())[0] > 100
     window.close()
+
+
+def test_a_match_is_drawn_with_its_parts_marked(qapp, make_bar):
+    from annotation.shownitems import ShownParts
+    from gui.palette import LIGHT, rgb
+    from gui.views.parts_picture import draw_parts
+
+    def near_accent(data: bytes) -> int:
+        image = QImage.fromData(data, "PNG").convertToFormat(QImage.Format.Format_RGB888)
+        pixels = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), -1)[:, : 3 * image.width()].reshape(-1, 3)
+        hue = pixels.astype(float) / np.maximum(pixels.sum(axis=1, keepdims=True), 1)
+        accent = rgb(LIGHT.accent) / rgb(LIGHT.accent).sum()
+        return int((np.abs(hue - accent).max(axis=1) < 0.06).sum())
+
+    one, other = make_bar(3), make_bar(2)
+    marked, more = (draw_parts(ShownParts(one, other, rows, (0,)), (400, 200)) for rows in ((0,), (0, 1, 2)))
+    assert png_size(marked) == (800, 400)
+    assert 0 < near_accent(marked) < near_accent(more)

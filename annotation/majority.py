@@ -1,7 +1,7 @@
 """Majority of the answers to one question: a tie stays a tie, and `unsure` is an abstention."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Literal, NamedTuple
 
 Answer = Literal["correct", "wrong", "unsure"]
@@ -25,8 +25,8 @@ def verdict(correct: int, wrong: int) -> Verdict:
     return "correct" if correct > wrong else "wrong"
 
 
-def majority_of(answers: Iterable[str]) -> Majority:
-    """The majority of the answers to one item."""
+def majority_of(answers: Iterable[str] | Mapping[str, int]) -> Majority:
+    """The majority of the answers to one item, or of how many gave each."""
     count = Counter(answers)
     correct, wrong, unsure = (count[answer] for answer in ANSWERS)
     return Majority(correct, wrong, unsure, verdict(correct, wrong))

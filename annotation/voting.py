@@ -18,7 +18,7 @@ from engine.errors import BadInput, BadParameter
 
 from . import schema
 from .handle import StudyHandle
-from .majority import ANSWERS, Majority, majorities
+from .majority import ANSWERS, Majority, majority_of
 from .proposals import canonical
 from .records import Item, OpenItem, Practice, Volunteer, Vote, VotingProgress
 from .sampling import draw
@@ -247,15 +247,23 @@ def current_votes(
 
 def answers(handle: StudyHandle, volunteer_code: str, *, round: int = 1) -> dict[str, str]:
     """One volunteer's current answers by item."""
-    return {vote.item_id: vote.answer for vote in current_votes(handle, volunteer=volunteer_code, round=round)}
+    mine = (_current.volunteer == volunteer_code, _current.round == round)
+    with handle.reading() as connection:
+        rows = connection.execute(select(_current.item_id, _current.answer).where(*mine).order_by(_current.clock))
+        return {row.item_id: row.answer for row in rows}
 
 
 def majority(handle: StudyHandle, *, round: int = 1) -> dict[str, Majority]:
     """The majority of every item of the study, for the researcher."""
     with handle.reading() as connection:
         ids = connection.scalars(select(schema.item.c.id).order_by(schema.item.c.id)).all()
-        rows = connection.execute(select(_current.item_id, _current.answer).where(_current.round == round))
-        return majorities(ids, ((row.item_id, row.answer) for row in rows))
+        given: dict[str, dict[str, int]] = {one: {} for one in ids}
+        kinds = (_current.item_id, _current.answer)
+        for one, answer, count in connection.execute(
+            select(*kinds, func.count()).where(_current.round == round).group_by(*kinds)
+        ):
+            given[one][answer] = count
+    return {one: majority_of(counts) for one, counts in given.items()}
 
 
 def _volunteer(connection: Connection, code: str) -> Volunteer:

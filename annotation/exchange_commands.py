@@ -82,8 +82,11 @@ def forget(study: str, volunteer: str, /, *, votes_too: Flag = False) -> None:
     """
     with open_study(study, backup=False) as handle:
         gone = forget_volunteer(handle, volunteer, votes_too=votes_too)
-    kept = f"{_count(gone.kept, 'vote or undo stays', 'votes and undos stay')} as {gone.pseudonym}"
-    print(f"{study}: the volunteer is deleted; {kept if not votes_too else f'{gone.removed} votes and undos are gone'}.")
+    if votes_too:
+        left = _count(gone.removed, "vote or undo is gone", "votes and undos are gone")
+    else:
+        left = f"{_count(gone.kept, 'vote or undo stays', 'votes and undos stay')} as {gone.pseudonym}"
+    print(f"{study}: the volunteer is deleted; {left}.")
     for words, files in (("Rewritten", gone.backups.rewritten), ("Removed", gone.backups.removed)):
         if files:
             print(f"{words}: {', '.join(str(file) for file in files)}")

@@ -1,0 +1,77 @@
+"""`concord study packet`, `export`, `forget`, `archive`, `unpack`: what they print, and one sentence for what cannot be."""
+
+import pytest
+from exchange_world import ids_of, strip_study
+from test_command_line import fails, run
+
+from annotation import study
+
+
+@pytest.fixture
+def file(tmp_path):
+    with strip_study(tmp_path / "a.db", votes=2) as handle:
+        study.record_vote(handle, ids_of(handle)[0], "anna", "correct", comment="sure")
+    return tmp_path / "a.db"
+
+
+def test_a_packet_goes_out_and_comes_back(tmp_path, file, capsys):
+    assert run("packet", file, "bert", "--out", tmp_path / "p.db", "--items", 2) == 0
+    said = capsys.readouterr().out
+    assert "2 matches for bert" in said
+    assert f"concord study merge {file} {tmp_path / 'p.db'}" in said
+    with study.open_study(tmp_path / "p.db") as packet:
+        first, second = (one.item_id for one in study.open_items(packet, "bert"))
+        study.record_vote(packet, first, "bert", "wrong")
+    refused = fails(capsys, "vote", tmp_path / "p.db", "--volunteer", "anna", "--item", second, "--answer", "wrong")
+    assert "for volunteer bert alone" in refused
+    assert run("merge", file, tmp_path / "p.db") == 0
+    assert "1 votes and undos, 0 matches, 0 results are new" in capsys.readouterr().out
+    assert "takes nothing in" in fails(capsys, "merge", tmp_path / "p.db", file)
+
+
+def test_what_a_packet_cannot_be_is_told(tmp_path, file, capsys):
+    out = ("--out", tmp_path / "p.db")
+    assert "at least 1" in fails(capsys, "packet", file, "bert", *out, "--items", 0)
+    assert "no volunteer code" in fails(capsys, "packet", file, "b e", *out)
+    assert "exists already" in fails(capsys, "packet", file, "bert", "--out", file)
+    strip_study(tmp_path / "bare.db", kept=False).close()
+    assert "a.off, b.off" in fails(capsys, "packet", tmp_path / "bare.db", "bert", *out)
+    strip_study(tmp_path / "other.db").close()
+    assert run("packet", tmp_path / "other.db", "bert", *out) == 0
+    capsys.readouterr()
+    assert "packet of another study" in fails(capsys, "merge", file, tmp_path / "p.db")
+
+
+def test_exports_name_their_files(tmp_path, file, capsys):
+    assert run("export", file, "--out", tmp_path / "out", "--format", "jsonl, csv") == 0
+    assert "votes.jsonl, votes.csv" in capsys.readouterr().out
+    assert not (tmp_path / "out" / "gold.csv").exists()
+    assert "xlsx is no format" in fails(capsys, "export", file, "--out", tmp_path / "out", "--format", "xlsx")
+    assert "Name a format" in fails(capsys, "export", file, "--out", tmp_path / "out", "--format", ",")
+
+
+def test_a_volunteer_is_deleted_and_everything_that_was_done_is_told(tmp_path, file, capsys):
+    assert run("vote", file, "--volunteer", "bert", "--item", "x", "--answer", "wrong") == 2  # opened, so there is a backup
+    capsys.readouterr()
+    assert run("forget", file, "anna") == 0
+    said = capsys.readouterr().out
+    assert "1 vote or undo stays as deleted-" in said
+    assert f"Rewritten: {tmp_path / 'backups'}" in said
+    assert run("forget", file, "anna", "--votes-too") == 0
+    assert "1 vote or undo is gone" in capsys.readouterr().out
+    assert "no volunteer carl" in fails(capsys, "forget", file, "carl")
+    assert "take another code" in fails(capsys, "packet", file, "anna", "--out", tmp_path / "p.db")
+
+
+def test_an_archive_can_be_taken_apart(tmp_path, file, capsys):
+    assert run("archive", file, "--out", tmp_path / "a.zip", "--anonymous") == 0
+    assert run("unpack", tmp_path / "a.zip", "--out", tmp_path / "out") == 0
+    capsys.readouterr()
+    assert run("votes", tmp_path / "out" / "study.db") == 0
+    said = capsys.readouterr().out
+    assert "v01" in said or "v02" in said
+    assert "anna" not in said
+    assert "sure" not in said.replace("unsure", "")
+    assert "goes with --anonymous" in fails(capsys, "archive", file, "--out", tmp_path / "b.zip", "--comments")
+    assert "cannot be taken apart" in fails(capsys, "unpack", file, "--out", tmp_path / "new")
+    assert not (tmp_path / "new").exists()

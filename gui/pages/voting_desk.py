@@ -179,7 +179,7 @@ class VotingDesk(QObject):
         def done(found: Asked | Unshowable) -> None:
             self._loading.discard(one)
             if isinstance(found, Unshowable):
-                self.reasons[one] = found.reason
+                self.reasons[one] = found.reason if self._shared else ""  # they name files: for the researcher alone
                 self._queue = self._queue.hide(one)
             else:
                 self._ready[one] = found

@@ -95,7 +95,7 @@ class Painted:
     def _watch(self, view: type) -> None:
         before = view.paintEvent
 
-        def paint(widget, event):  # noqa: ANN001, ANN202
+        def paint(widget, event):
             before(widget, event)
             self.at = time.perf_counter()
 
@@ -107,7 +107,7 @@ def vote(path: Path, votes: int, think: float, size: tuple[int, int]) -> tuple[l
     app, painted, commits = QApplication.instance() or QApplication(sys.argv[:1]), Painted(), []
     record = study.record_vote
 
-    def recorded(*args, **kwargs):  # noqa: ANN002, ANN003, ANN202
+    def recorded(*args, **kwargs):
         began = time.perf_counter()
         found = record(*args, **kwargs)
         commits.append((time.perf_counter() - began) * 1000)
@@ -119,7 +119,7 @@ def vote(path: Path, votes: int, think: float, size: tuple[int, int]) -> tuple[l
     window.show()
     window.begin()
 
-    def wait(ready, patience: float = 60.0) -> None:  # noqa: ANN001
+    def wait(ready, patience: float = 60.0) -> None:
         end = time.perf_counter() + patience
         while not ready():
             app.processEvents()
@@ -130,16 +130,16 @@ def vote(path: Path, votes: int, think: float, size: tuple[int, int]) -> tuple[l
     wait(lambda: window.screen.notice.heading.text() == "Welcome")
     QTest.keyClick(window.screen, Qt.Key.Key_Return)
     wait(lambda: window.screen.asking)
-    found = []
-    for number in range(votes):
+
+    def once(key: Qt.Key) -> tuple[str, float]:
         rested = time.perf_counter() + think
-        wait(lambda: time.perf_counter() >= rested)  # noqa: B023
-        before = window.desk.question
-        pressed = time.perf_counter()
-        QTest.keyClick(window.screen, Qt.Key.Key_J if number % 2 else Qt.Key.Key_F)
-        wait(lambda: window.desk.question not in (None, before) and painted.at > pressed and window.screen.asking
-             and painted.at >= shown[0])  # fmt: skip  # noqa: B023
-        found.append((type(window.desk.question).__name__, (painted.at - pressed) * 1000))
+        wait(lambda: time.perf_counter() >= rested)
+        before, pressed = window.desk.question, time.perf_counter()
+        QTest.keyClick(window.screen, key)
+        wait(lambda: window.desk.question not in (None, before) and pressed < shown[0] <= painted.at)
+        return type(window.desk.question).__name__, (painted.at - pressed) * 1000
+
+    found = [once(Qt.Key.Key_J if number % 2 else Qt.Key.Key_F) for number in range(votes)]
     window.close()
     return found, commits
 
@@ -157,7 +157,7 @@ def main() -> None:
     chosen = parser.parse_args()
     show = voting_desk.VotingDesk._show
 
-    def stamped(desk, *args):  # noqa: ANN001, ANN002, ANN202
+    def stamped(desk, *args):
         shown[0] = time.perf_counter()  # what is painted from here on is the next item
         show(desk, *args)
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from sqlalchemy import insert, select
+from sqlalchemy import Connection, insert, select
 
 from . import schema
 from .handle import StudyHandle
@@ -23,16 +23,29 @@ def keep_shapes(handle: StudyHandle, shapes: Iterable["SegmentedShape"]) -> int:
     """Put shapes into the study; those that are there stay. Returns how many were new."""
     found = {_key(shape): shape for shape in shapes}
     with handle.reading() as connection:
-        known = set(connection.scalars(select(schema.blob.c.key).where(schema.blob.c.key.in_(found))))
-    rows = [{"key": key, "content": _packed(shape)} for key, shape in found.items() if key not in known]
-    if not rows:
+        known = _known(connection, found)
+    packed = {key: _packed(shape) for key, shape in found.items() if key not in known}
+    if not packed:
         return 0
     with handle.writing() as connection:
-        known = set(connection.scalars(select(schema.blob.c.key).where(schema.blob.c.key.in_(found))))
-        rows = [row for row in rows if row["key"] not in known]
-        if rows:
-            connection.execute(insert(schema.blob), rows)
+        return _insert(connection, packed)
+
+
+def insert_shapes(connection: Connection, shapes: Iterable["SegmentedShape"]) -> int:
+    """The same in an open transaction."""
+    return _insert(connection, {_key(shape): _packed(shape) for shape in shapes})
+
+
+def _insert(connection: Connection, packed: Mapping[str, bytes]) -> int:
+    known = _known(connection, packed)
+    rows = [{"key": key, "content": content} for key, content in packed.items() if key not in known]
+    if rows:
+        connection.execute(insert(schema.blob), rows)
     return len(rows)
+
+
+def _known(connection: Connection, keys: Iterable[str]) -> set[str]:
+    return set(connection.scalars(select(schema.blob.c.key).where(schema.blob.c.key.in_(list(keys)))))
 
 
 def kept_shapes(handle: StudyHandle, side: Mapping[str, Any]) -> tuple["SegmentedShape", ...]:

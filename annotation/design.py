@@ -11,7 +11,7 @@ from engine.parameters import Parameters, parameter
 from engine.progress import Progress, silent
 
 from . import schema
-from .blobs import keep_shapes
+from .blobs import insert_shapes
 from .handle import StudyHandle
 from .proposals import batched, insert_run, pair_id
 from .records import Run
@@ -91,18 +91,14 @@ def create_design(
             progress(0.8 * number / len(found), "taking in results")
             insert_run(connection, run)
         put_asked(connection, plan.asked)
+        progress(0.8, "keeping shapes")
+        insert_shapes(connection, shapes)
 
     handle = create_study(
         where, name=design.name or study_name(where), question=design.question, guideline=design.guideline,
         seed=str(design.seed), votes=design.votes, adaptive=design.adaptive, unsure=design.unsure,
         settings={"design": design.settings()}, also=fill,
     )  # fmt: skip
-    try:
-        progress(0.8, "keeping shapes")
-        keep_shapes(handle, shapes)
-    except BaseException:
-        handle.close()
-        raise
     for note in plan.notes:
         tell(note)
     return handle

@@ -1,5 +1,6 @@
 """Results to be judged, found by files and folders, and the shapes that they are of, found by their content."""
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -101,8 +102,9 @@ def find_shapes(
     found: dict[str, SegmentedShape] = {}
     missing, meshes = [], _Meshes()
     for number, (key, (side, near)) in enumerate(wanted.items()):
-        progress(number / len(wanted), f"looking for {Path(side['file']).name}")
-        places = (*_places(Path(side["file"]), near), *named.get(Path(side["file"]).name.lower(), ()))
+        progress(number / len(wanted), f"looking for {_name(side['file'])}")
+        name = _name(side["file"])
+        places = (*_places(side["file"], near), *named.get(name.lower(), ()))
         shape, why = meshes.shape(side, places)
         if shape is None:
             missing.append(f"{side['file']} {why}")
@@ -111,11 +113,16 @@ def find_shapes(
     return FoundShapes(found, tuple(missing))
 
 
-def _places(file: Path, near: Path) -> Iterator[Path]:
+def _name(file: str) -> str:
+    """The name of a file, whatever system its path is of."""
+    return re.split(r"[\\/]", file)[-1]
+
+
+def _places(file: str, near: Path) -> Iterator[Path]:
     """Where a mesh may lie, by the name in a result and the place of the result."""
-    yield file
+    yield Path(file)
     for folder in near.absolute().parents[:_ABOVE]:
-        yield from (folder / file, folder / file.name)
+        yield from (folder / file, folder / _name(file))
 
 
 class _Meshes:
@@ -134,7 +141,11 @@ class _Meshes:
         for path in dict.fromkeys(place.absolute() for place in places):
             if self._identity(path) != side["sha256"]:
                 continue
-            shape = load_shape(path, cache=default_cache())
+            try:
+                shape = load_shape(path, cache=default_cache())
+            except BadInput as error:
+                why = f"cannot be read ({error})"
+                continue
             if side.get("segmentation") in (None, "", node_id(segment_ids(shape.mesh, shape.segmentation))):
                 return shape, ""
             why = f"was found as {path}, but with other segments"
@@ -148,6 +159,6 @@ class _Meshes:
         if path not in self._read:
             try:
                 self._read[path] = mesh_id(load_mesh(path)[0]) if path.is_file() else None
-            except BadInput:
+            except (BadInput, OSError, ValueError):  # also names that no system takes
                 self._read[path] = None
         return self._read[path]

@@ -270,7 +270,7 @@ def _volunteer(connection: Connection, code: str) -> Volunteer:
     found = connection.execute(select(schema.volunteer).where(schema.volunteer.c.code == code)).first()
     if found is None:
         refuse_forgotten(connection, code)
-        seed = _fresh_seed(connection, code, *_queue(connection, code))
+        seed = _fresh_seed(connection, code, *_queue(connection, code, *_asked(connection)))
         connection.execute(insert(schema.volunteer).values(code=code, seed=seed, created_at=now()))
         return Volunteer(code, seed)
     return _voter(found)
@@ -283,28 +283,34 @@ def settle_seeds(connection: Connection) -> None:
     """
     voted = select(_events.volunteer)
     waiting = connection.execute(select(schema.volunteer).where(schema.volunteer.c.code.not_in(voted))).all()
+    asked = _asked(connection) if waiting else (set[str](), set[str]())
     for row in waiting:
-        seed = _fresh_seed(connection, row.code, *_queue(connection, row.code))
+        seed = _fresh_seed(connection, row.code, *_queue(connection, row.code, *asked))
         if seed != row.seed:
             connection.execute(update(schema.volunteer).where(schema.volunteer.c.code == row.code).values(seed=seed))
 
 
-def _queue(connection: Connection, code: str) -> tuple[set[str], set[str]]:
-    """The items that a volunteer may be asked, practice apart, and the gold ones of these; nothing without gold ones."""
-    asked, packet = schema.asked.c, schema.assignment.c
+def _asked(connection: Connection) -> tuple[set[str], set[str]]:
+    """The items that a new volunteer is asked now, practice apart, and all gold ones; nothing where none is gold."""
+    asked, wanted = schema.asked.c, schema.wanted.c
     gold = set(connection.scalars(select(asked.item_id).where(asked.role == "gold")))
     if not gold:
         return set(), set()
-    handed = set(connection.scalars(select(packet.item_id).where(packet.volunteer == code)))
-    items = handed or set(connection.scalars(select(asked.item_id).where(asked.role != "practice")))
-    return items, gold & items
+    return set(connection.scalars(select(wanted.item_id).where(wanted.open == 1, wanted.role != "practice"))), gold
+
+
+def _queue(connection: Connection, code: str, items: set[str], gold: set[str]) -> tuple[set[str], set[str]]:
+    """What a volunteer is asked, the packet where there is one, and the gold items of that."""
+    packet = schema.assignment.c
+    handed = set(connection.scalars(select(packet.item_id).where(packet.volunteer == code))) if gold else set()
+    return handed or items, gold & (handed or items)
 
 
 def _fresh_seed(connection: Connection, code: str, items: Collection[str], gold: Collection[str]) -> str:
     """The seed of a volunteer: the first of a sequence under which none of the first `LEAD` items is gold.
 
-    So the first one is not, even where others have settled some of them before. Where there are so many gold items that
-    this asks too much, the very first one is not.
+    So the first one is not, even where others settle some of them before this volunteer begins. Where there are so many
+    gold items that this asks too much, the very first one is not.
     """
     base = str(connection.scalar(select(schema.study.c.seed)))
     for lead, tries in ((LEAD, 50), (1, 1000)) if len(gold) < len(items) else ():

@@ -200,6 +200,17 @@ def test_gold_that_is_named_later_comes_first_for_nobody_who_begins(tmp_path):
         assert study.volunteer(handle, "a").seed == seeds["a"]  # has begun: the order stays
 
 
+def test_who_comes_late_does_not_begin_with_gold_either(tmp_path):
+    items = [f"a-{n}" for n in range(30)]
+    with designed(tmp_path / "a.db", Design(votes=1, gold=0.3, gold_least=0, practice=0), items, gold=known(items)) as handle:
+        with handle.reading() as connection:
+            gold = set(connection.scalars(select(schema.asked.c.item_id).where(schema.asked.c.role == "gold")))
+        for item in sorted(set(items) - gold)[2:]:
+            votes(handle, item, anna="correct")
+        assert len(asked(handle, "late") - gold) == 2
+        assert not gold & {open_items(handle, f"late{n}")[0].item_id for n in range(20)}
+
+
 def test_a_packet_does_not_begin_with_gold(tmp_path):
     with designed(tmp_path / "a.db", Design(gold=0.25, gold_least=0, practice=0), gold=known(ITEMS[:2])) as handle:
         for code in "abcdefghij":

@@ -1,5 +1,7 @@
 """Known answers: from a table, from votes, from classes of faces, and from pictures."""
 
+import re
+
 import numpy as np
 import pytest
 from judging_world import ONE_TO_ONE, study_of
@@ -138,8 +140,20 @@ def test_shapes_are_found_by_content_wherever_they_lie(matched, tmp_path_factory
     (told,) = find_shapes(files, runs, [elsewhere]).missing
     assert "lamp.off" in told
     assert "other segments" in told
+    (elsewhere / "deep" / "lamp.seg").write_text("no labels")
+    assert "cannot be read" in find_shapes(files, runs, [elsewhere]).missing[0]
     (elsewhere / "deep" / "coarse.off").write_text("no mesh")
     assert len(find_shapes(files, runs, [elsewhere]).missing) == 2
+
+
+@pytest.mark.parametrize("name", ["C:\\\\meshes\\\\lamp.off", "x" * 5000, "a\\u0000b", "", "/", ".."])
+def test_any_name_of_a_mesh_is_looked_for_without_harm(matched, name):
+    folder, _ = matched
+    path = folder / "set" / "pair" / "matches.json"
+    path.write_text(re.sub(r'"file": "[^"]*lamp.off"', lambda _: f'"file": "{name}"', path.read_text()))
+    files = find_results([str(path)])
+    found = find_shapes(files, read_all(files), [folder / "meshes"])
+    assert len(found.missing) == (0 if name.endswith("lamp.off") else 1)
 
 
 def test_pictures_tell_of_every_join(tmp_path):

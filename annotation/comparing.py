@@ -118,11 +118,24 @@ def leave_one_out(
     if len(own) < 2:
         return ()
     cast = counted(votes)
-    left = {code: tabulate(results, without(cast, own[code]), weights) for code in sorted(own)}
+    rows = tabulate(results, cast, weights)
+    items = [frozenset(item for r in results_of(results, row) for item in r.items) for row in rows]
+    left = {code: without(cast, own[code]) for code in sorted(own)}
     return tuple(
-        _left_out(row, {code: rows[k].micro for code, rows in left.items()})
-        for k, row in enumerate(tabulate(results, cast, weights))
+        _left_out(row, {code: _micro(mine, votes_left, weights) for code, votes_left in left.items()})
+        for row, mine in zip(rows, items, strict=True)
     )
+
+
+def results_of(results: Iterable[Proposed], row: PrecisionRow) -> list[Proposed]:
+    """The results that a row is about."""
+    return [r for r in results if (r.method, r.preset) == row[:2] and row.set_name in (r.set_name, ALL_SETS)]
+
+
+def _micro(items: Iterable[str], cast: Mapping[str, Cast], weights: Weights | None) -> float | None:
+    """The pooled precision, None where nothing is decided."""
+    (pooled,) = by_pair([items], cast, weights)
+    return pooled.correct / pooled.decided if pooled.decided else None
 
 
 def _left_out(row: PrecisionRow, left: Mapping[str, float | None]) -> LeftOut:
@@ -143,13 +156,11 @@ def modelled(
     """Each row's precision by majority beside the mean probability of its voted matches under the model."""
     if model is None:
         return ()
-    p, groups = dict(zip(model.items, model.probability.tolist(), strict=True)), grouped(results)
+    p, every = dict(zip(model.items, model.probability.tolist(), strict=True)), tuple(results)
     found = []
     for row in rows:
-        sets = groups[row.method, row.preset]
-        mine = [r for name, part in sets.items() if row.set_name in (name, ALL_SETS) for r in part]
         told = [(p[item], 1.0 if weights is None else weights.get(item, 0.0))
-                for items in items_by_pair(mine).values() for item in items if item in p]  # fmt: skip
+                for item in sorted({item for r in results_of(every, row) for item in r.items}) if item in p]  # fmt: skip
         total = sum(weight for _, weight in told)
         share = sum(value * weight for value, weight in told) / total if total else None
         found.append(Modelled(row.method, row.preset, row.set_name, row.micro, share, sum(w > 0 for _, w in told)))

@@ -229,8 +229,8 @@ def _row(
     shares = by_pair(pairs.values(), cast, weights)
     known = [s.correct / s.decided for s in shares if s.decided]
     abstained, votes = sum(one.majority.unsure for one in seen), sum(len(one.voters) for one in seen)
-    right, every = sum(s.correct for s in shares), sum(s.decided for s in shares)
-    weight = sum(_weights(drawn, weights))
+    (pooled,) = by_pair([items], cast, weights)  # a match that is in several pairs counts once
+    right, every, weight = pooled.correct, pooled.decided, sum(_weights(drawn, weights))
     wrong = every - right
     found = [pair for pair in pairs if pair in pool]
     return PrecisionRow(
@@ -259,7 +259,7 @@ def by_pair(pairs: Iterable[Iterable[str]], cast: Mapping[str, Cast], weights: W
     found = []
     for items in pairs:
         correct = decided = squares = 0.0
-        for item in items:
+        for item in items if weights is None else sorted(items):  # sums of weights in one order, for equal last digits
             said = cast[item].majority.verdict if item in cast else "unjudged"
             weight = 1.0 if weights is None else weights.get(item, 0.0)
             if said in ("correct", "wrong"):
@@ -284,7 +284,7 @@ def interval_of(shares: Sequence[PairShare]) -> Interval | None:
 
 
 def _weights(items: Iterable[str], weights: Weights | None) -> list[float]:
-    return [1.0 if weights is None else weights[item] for item in items]
+    return [1.0 if weights is None else weights[item] for item in sorted(items)]
 
 
 def _share(part: float, whole: float) -> float | None:

@@ -6,14 +6,17 @@ import random
 import re
 
 import pytest
+from design_world import run_of
 from findings_world import cast, ran, read
 from judging_world import CANDLE, ONE_TO_ONE, result, study_of
+from sqlalchemy import insert
 
-from annotation import study
+from annotation import schema, study
 from annotation.chart import precision_chart
 from annotation.findings import findings, worked_out
 from annotation.findings_report import Drawn, as_csv, as_html, written
 from annotation.findings_tables import tables, values
+from annotation.overview import overview
 from annotation.precision import Ballot
 from annotation.splitting import split
 from engine.errors import BadParameter
@@ -61,6 +64,26 @@ def test_what_is_read_of_a_study(tmp_path):
     assert one.pair in ("lamp.off – vase.off", "lamp.off – candle.off")
     assert found.model is None
     assert not found.adaptive
+
+
+def test_files_and_servers_give_the_same_figures(place):
+    with study.create_study(place, name="Lamps", votes=3, seed="s") as handle:
+        for run in (run_of("lamps", "p", ["a", "b", "c"]), run_of("lamps", "p", ["a", "d"], "other")):
+            study.add_run(handle, run)
+        for vote in cast(a="ccw", b="cw.", c="www", d="ccc"):
+            study.record_vote(handle, vote.item, vote.volunteer, vote.answer, shown_ms=3000)
+        asked = {"role": "judged", "answer": None, "reason": "", "stratum": "", "added_at": ""}
+        with handle.writing() as connection:
+            for item, p, twice in (("a", 0.5, 1), ("c", 1.0, 0), ("d", 1.0, 1)):
+                connection.execute(insert(schema.asked).values(**asked, item_id=item, probability=p, overlapped=twice))
+        found, people = findings(handle), overview(handle)
+    one, other = found.rows
+    assert (one.method, one.micro, one.drawn, one.seen) == ("learned", pytest.approx(2 / 3), 2, 3)
+    assert (other.micro, other.recall, other.recall_pairs) == (1.0, 1.0, 1)
+    assert [(row.of, row.items) for row in found.agreement] == [("overlapped matches", 2), ("all matches", 4)]
+    assert found.adaptive
+    assert [(row.code, row.judged, row.open, row.seconds) for row in people] == [
+        ("anna", 4, 0, 3.0), ("bert", 4, 0, 3.0), ("carl", 3, 0, 3.0)]  # fmt: skip
 
 
 def test_tables_say_what_the_figures_are():

@@ -9,6 +9,7 @@ from judging_world import CANDLE, LAMP, ONE_TO_ONE, VASE, identity, result, stud
 from sqlalchemy import insert
 
 from annotation import schema, study
+from annotation.comparing import leave_one_out
 from annotation.matchesfile import run_of_json
 from annotation.precision import ALL_SETS, ballots, counted, precision_table, sample, tabulate, without
 from annotation.tabletext import agreement_line, notes, render
@@ -219,3 +220,12 @@ def test_votes_taken_away_are_votes_that_were_never_given():
 def test_guided_and_named_methods_have_chosen_parameters():
     results = [ran("m", "p", "a"), ran("n", "p", "a"), ran("k (guided)", "p", "a")]
     assert [row.chosen for row in tabulate(results, cast(a="c"), chosen=["n"])] == [True, False, True]
+
+
+def test_a_match_that_two_pairs_share_counts_once():
+    results, votes = [ran("m", "p", "a b"), ran("m", "q", "a c")], cast(a="c", b="w", c="c")
+    (row,) = tabulate(results, votes)
+    assert (row.correct, row.wrong, row.matches) == (2, 1, 3)
+    assert (row.micro, row.bound_low, row.bound_high) == pytest.approx((2 / 3,) * 3)
+    assert row.macro == pytest.approx((1 / 2 + 1) / 2)
+    assert leave_one_out(results, [*votes, *cast(a=".c")])[0].micro == pytest.approx(2 / 3)

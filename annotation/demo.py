@@ -40,7 +40,7 @@ def run_demo(folder: Path, draw: "PictureMaker") -> None:
     opened = open_study(file) if file.exists() else create_study(file, name="Bundled examples")
     with opened as study:
         with progress_bar() as progress:
-            shown = _judge_examples(study, share(progress, 0.0, 0.8))
+            shown = judge_examples(study, share(progress, 0.0, 0.8))
             joined = judge_example_puzzles(study, folder, TRUTH, progress=share(progress, 0.8, 1.0))
         rows, votes = precision_table(study), ballots(study)
     table = render(rows, votes)
@@ -53,7 +53,7 @@ def run_demo(folder: Path, draw: "PictureMaker") -> None:
     print(f"{len(shown.ids)} matches between {source.mesh.name} and {target.mesh.name}; all results are in {folder}")
 
 
-def _judge_examples(study: "StudyHandle", progress: Progress) -> "MatchResult":
+def judge_examples(study: "StudyHandle", progress: Progress) -> "MatchResult":
     """Match and judge all bundled pairs; returns the first pair's result under the default preset."""
     from engine.shapes.matching import describe, propose, rematch
     from engine.shapes.meshfile import load_shape, read_labels

@@ -49,6 +49,7 @@ class AskDialog(QDialog):
         self.heading.setObjectName("page-heading")
         self.lead.setObjectName("soft")
         self.lead.setTextFormat(Qt.TextFormat.PlainText)
+        self.lead.setVisible(bool(lead))
         self.error = QLabel("", self, wordWrap=True)
         self.error.setObjectName("field-error")
         self.error.setTextFormat(Qt.TextFormat.PlainText)

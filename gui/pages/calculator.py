@@ -35,19 +35,20 @@ class Expected(NamedTuple):
 def expected_of(plan: Plan, design: Design, expected: Expectations) -> Expected:
     """The cost of a plan, by the rules of who is asked."""
     roles = Counter(row.role for row in plan.asked)
-    k = design.votes or expected.volunteers
-    every, fewer = (votes_each(k, adaptive, expected.disagreement, expected.abstention) for adaptive in (False, True))
+    people = expected.volunteers
+    k = design.votes or people
+    every, fewer = (votes_each(k, adaptive, expected.disagreement, expected.abstention, people) for adaptive in (False, True))
     twice = sum(row.overlapped for row in plan.asked if row.role == "judged")
     once = roles["judged"] - twice
     judged = twice * every + once * (fewer if design.adaptive and design.votes else every)
-    votes = judged + expected.volunteers * (roles["gold"] + roles["practice"])
-    return Expected(votes, votes * expected.seconds / 3600 / expected.volunteers, expected.volunteers)
+    votes = judged + people * (roles["gold"] + roles["practice"])
+    return Expected(votes, votes * expected.seconds / 3600 / people, people)
 
 
 def needed_text(found: Needed, expected: Expectations) -> str:
     """What a wanted interval takes, in a few lines."""
     return (f"{found.pairs} pairs with {found.matches} matches, expected to give "
-            f"[{share_text(found.low)}, {share_text(found.high)}]\n"
+            f"[{share_text(found.low)},\u00a0{share_text(found.high)}]\n"
             f"about {found.votes} votes, {found.hours_each:.1f} h for each of {expected.volunteers}")  # fmt: skip
 
 
@@ -56,7 +57,7 @@ def given_text(matches: int, pairs: int, expected: Expectations) -> str:
     if pairs < 2:
         return "One pair alone tells nothing of others: results of more pairs are needed for an interval."
     low, high = interval_of(pairs, expected.changed(per_pair=max(1.0, min(matches / pairs, 10_000.0))))
-    return f"Your {matches} matches on {pairs} pairs are expected to give [{share_text(low)}, {share_text(high)}]."
+    return f"Your {matches} matches on {pairs} pairs are expected to give [{share_text(low)},\u00a0{share_text(high)}]."
 
 
 class SampleStep(QWidget):

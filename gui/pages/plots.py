@@ -1,7 +1,8 @@
 """Live plots of shares with their intervals. The plotting library is imported with the first plot that is shown."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from html import escape
+from typing import Any, NamedTuple
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
@@ -9,7 +10,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from ..palette import SERIES, Theme, theme
 
-SYMBOLS = ("o", "s", "t1", "d", "star", "t", "p", "h")
+SYMBOLS = (("o", "●"), ("s", "■"), ("t1", "▲"), ("d", "◆"), ("t", "▼"), ("star", "★"), ("p", "⬟"), ("h", "⬢"))
 SPREAD = 0.5  # how much of the room of a group its series take
 
 
@@ -36,6 +37,14 @@ def placed(marks: Sequence[Mark]) -> list[tuple[float, int, Mark]]:
 def names(marks: Sequence[Mark]) -> tuple[list[str], list[str]]:
     """Groups and series in the order in which they come."""
     return list(dict.fromkeys(m.group for m in marks)), list(dict.fromkeys(m.series for m in marks))
+
+
+def legend(marks: Sequence[Mark]) -> str:
+    """Symbol and name of each series, as rich text."""
+    _, series = names(marks)
+    return "&nbsp;&nbsp;&nbsp; ".join(
+        f"<span style='color: {SERIES[row % len(SERIES)]}'>{SYMBOLS[row % len(SYMBOLS)][1]}</span> {escape(name)}"
+        for row, name in enumerate(series))  # fmt: skip
 
 
 class IntervalPlot(QWidget):
@@ -69,16 +78,12 @@ class IntervalPlot(QWidget):
         colours = theme(self.dark)
         item = self.plot.getPlotItem()
         item.clear()
-        if item.legend is not None:
-            item.legend.scene().removeItem(item.legend)
-            item.legend = None
         groups, series = names(self.marks)
         self._axes(item, groups, colours)
-        item.addLegend(offset=(-8, 8), labelTextColor=colours.ink, brush=colours.paper, pen=None, colCount=1)
-        for row, name in enumerate(series):
-            self._series(item, row, name, colours)
+        for row in range(len(series)):
+            self._series(item, row, colours)
 
-    def _axes(self, item, groups: list[str], colours: Theme) -> None:
+    def _axes(self, item: Any, groups: list[str], colours: Theme) -> None:
         self.plot.setBackground(colours.paper)
         for side in ("left", "bottom"):
             axis = item.getAxis(side)
@@ -88,10 +93,10 @@ class IntervalPlot(QWidget):
         item.getAxis("left").setTicks([[(k / 5, f"{20 * k}") for k in range(6)]])
         item.setLabel("left", self.axis, color=colours.soft_ink)
         item.showGrid(y=True, alpha=0.25)
-        item.setXRange(-0.6, len(groups) - 0.4 + 0.35, padding=0)
+        item.setXRange(-0.6, len(groups) - 0.4, padding=0)
         item.setYRange(-0.02, 1.02, padding=0)
 
-    def _series(self, item, row: int, name: str, colours: Theme) -> None:
+    def _series(self, item: Any, row: int, colours: Theme) -> None:
         import pyqtgraph
 
         colour = QColor(SERIES[row % len(SERIES)])
@@ -102,8 +107,8 @@ class IntervalPlot(QWidget):
             for low, high, width, shade in ((m.bound_low, m.bound_high, 9, band), (m.low, m.high, 2, colour)):
                 if low is not None and high is not None:
                     item.plot([x, x], [low, high], pen=pyqtgraph.mkPen(shade, width=width, capStyle=Qt.PenCapStyle.FlatCap))
-        item.plot([x for x, _ in points], [m.share for _, m in points], pen=None, symbol=SYMBOLS[row % len(SYMBOLS)],
-                  symbolSize=9, symbolBrush=colour, symbolPen=colours.paper, name=name)  # fmt: skip
+        item.plot([x for x, _ in points], [m.share for _, m in points], pen=None, symbol=SYMBOLS[row % len(SYMBOLS)][0],
+                  symbolSize=9, symbolBrush=colour, symbolPen=colours.paper)  # fmt: skip
 
     def shutdown(self) -> None:
         """Give the scene back before the window goes."""

@@ -11,7 +11,7 @@ _MIDDLE = Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignVCenter
 
 
 def quiet_table(heads: Sequence[str], words: int, wide: str, parent: QWidget, tips: Mapping[str, str] | None = None) -> QTableWidget:
-    """A table to read: its first `words` columns hold words, and the column `wide` takes the room that is left."""
+    """A table to read: its first `words` columns hold words; the column `wide` (none if "") takes the room that is left."""
     table = QTableWidget(0, len(heads), parent)
     table.setHorizontalHeaderLabels([f"  {head}  " for head in heads])
     for column, head in enumerate(heads):
@@ -21,6 +21,7 @@ def quiet_table(heads: Sequence[str], words: int, wide: str, parent: QWidget, ti
     table.verticalHeader().hide()
     table.verticalHeader().setDefaultSectionSize(ROW_HEIGHT)
     table.setShowGrid(False)
+    table.setWordWrap(False)
     table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
     table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
     table.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
@@ -29,7 +30,8 @@ def quiet_table(heads: Sequence[str], words: int, wide: str, parent: QWidget, ti
     head = table.horizontalHeader()
     head.setHighlightSections(False)
     head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
-    head.setSectionResizeMode(list(heads).index(wide), QHeaderView.ResizeMode.Stretch)
+    if wide:
+        head.setSectionResizeMode(list(heads).index(wide), QHeaderView.ResizeMode.Stretch)
     return table
 
 
@@ -43,6 +45,12 @@ def fill(table: QTableWidget, rows: Sequence[Sequence[str]], words: int, *, fitt
             table.setItem(line, column, item)
     if fitted:
         table.setMaximumHeight(table.horizontalHeader().sizeHint().height() + ROW_HEIGHT * len(rows) + 4)
+
+
+def fit_width(table: QTableWidget) -> None:
+    """Make a table without a wide column no wider than its columns."""
+    table.resizeColumnsToContents()
+    table.setMaximumWidth(table.horizontalHeader().length() + 4)
 
 
 def row_texts(table: QTableWidget, line: int) -> tuple[str, ...]:

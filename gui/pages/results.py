@@ -6,7 +6,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QStackedWidget, QVBoxLayout, QWidget
 
 from annotation.findings import Findings, findings
-from annotation.study import StudyFile, StudyHandle
+from annotation.study import StudyHandle
 
 from ..jobs import FOLLOW, Jobs
 from ..session import Session, State
@@ -114,7 +114,6 @@ class ResultsPage(QWidget):
             self._show_empty(ONE_VOLUNTEER)
             return
         known = self._known[1] if self._known is not None and self._known[0] is handle else None
-        self.volunteers.show_server(not isinstance(handle, StudyFile))
         if self.stack.currentWidget() is not section:
             self._show_empty(READING)
 

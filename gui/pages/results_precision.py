@@ -4,7 +4,15 @@ from typing import NamedTuple
 
 from PySide6.QtCore import QModelIndex, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
-from PySide6.QtWidgets import QCheckBox, QLabel, QStyledItemDelegate, QStyleOptionViewItem, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QHBoxLayout,
+    QLabel,
+    QStyledItemDelegate,
+    QStyleOptionViewItem,
+    QVBoxLayout,
+    QWidget,
+)
 
 from annotation.findings import Findings
 from annotation.findings_tables import tables
@@ -14,7 +22,7 @@ from annotation.tabletext import agreement_line, row_name
 
 from ..palette import theme
 from .arrange import share_text
-from .plots import IntervalPlot, Mark
+from .plots import IntervalPlot, Mark, legend
 from .quiet_table import fill, quiet_table
 from .results_tables import TablesView
 
@@ -121,7 +129,11 @@ class PrecisionSection(QWidget):
         column.addWidget(self.table, 3)
         column.addWidget(self.as_thesis, 3)
         column.addWidget(self.notes)
-        column.addWidget(self.thesis)
+        self.legend = QLabel("", self, textFormat=Qt.TextFormat.RichText)
+        row = QHBoxLayout()
+        row.addWidget(self.legend, 1)
+        row.addWidget(self.thesis)
+        column.addLayout(row)
         column.addWidget(self.plot, 4)
         column.addStretch(0)
 
@@ -156,6 +168,7 @@ class PrecisionSection(QWidget):
     def _plot(self, rows: tuple[PrecisionRow, ...]) -> None:
         drawn = marks(rows)
         self.plot.setVisible(bool(drawn))
+        self.legend.setText(legend(drawn))
         self.plot.show_marks(drawn, self.dark)
 
     def set_dark(self, dark: bool) -> None:

@@ -9,7 +9,7 @@ from annotation.findings import Findings
 from annotation.findings_tables import tables
 from engine.evaluation.tables import Table
 
-from .quiet_table import fill, quiet_table
+from .quiet_table import fill, fit_width, quiet_table
 
 
 class TablesView(QScrollArea):
@@ -31,7 +31,8 @@ class TablesView(QScrollArea):
             self.heads = heads
         for table, widget, remark in zip(found, self.tables, self.remarks, strict=True):
             fill(widget, table.rows, table.words)
-            widget.setMinimumHeight(min(widget.maximumHeight(), 420))
+            fit_width(widget)
+            widget.setMinimumHeight(widget.maximumHeight())
             remark.setText(table.remark)
             remark.setVisible(bool(table.remark))
 
@@ -47,7 +48,7 @@ class TablesView(QScrollArea):
             heading.setContentsMargins(0, 12 if self.tables else 0, 0, 0)
             remark.setObjectName("soft")
             remark.setTextFormat(Qt.TextFormat.PlainText)
-            widget = quiet_table(table.head, table.words, table.head[table.words - 1], whole)
+            widget = quiet_table(table.head, table.words, "", whole)
             for part in (heading, widget, remark):
                 column.addWidget(part)
             self.tables.append(widget)

@@ -13,7 +13,7 @@ from annotation.exporting import export
 from annotation.findings import Findings, findings
 from annotation.findings_report import Drawn, as_csv, as_html, draw_disputed, lead_of, written
 from annotation.findings_tables import tables, values
-from annotation.forgetting import clean_backups, forget
+from annotation.forgetting import forget
 from annotation.packets import make_packet
 from annotation.proposals import add_run
 from annotation.study import StudyHandle, open_study, volunteers
@@ -41,8 +41,6 @@ def take_in(handle: StudyHandle, progress: Progress, path: Path) -> str:
     progress(0.1, f"Taking in {path.name}")
     with open_study(path, backup=False, writable=False) as source:
         merged = merge_handles(source, handle)
-    if merged.forgotten:
-        clean_backups(handle)
     if not any(merged):
         return f"{path.name} held nothing new: all of it was taken in before."
     parts = [plural(merged.events, "vote or undo", "votes and undos"), plural(merged.items, "match", "matches"),
@@ -54,7 +52,6 @@ def forgotten(handle: StudyHandle, progress: Progress, code: str, votes_too: boo
     """Delete a volunteer who asks for it."""
     progress(0.1, "Deleting a volunteer")
     found = forget(handle, code, votes_too=votes_too)
-    clean_backups(handle)
     kept = f"{plural(found.kept, 'vote')} stay without a name, as {found.pseudonym}" if found.kept else "no vote of theirs is left"
     more = f" {plural(found.mentions, 'text')} of others still name them." if found.mentions else ""
     return f"{code} was deleted from the study and its backups; {kept}.{more}"

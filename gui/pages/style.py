@@ -24,7 +24,7 @@ def window_style(colours: Theme) -> str:
     QPushButton#choice {{ border: none; border-bottom: 2px solid transparent; border-radius: 0; background: transparent;
                           color: {colours.soft_ink}; padding: 6px 8px; }}
     QPushButton#choice:hover {{ color: {colours.ink}; }}
-    QPushButton#choice:checked {{ color: {colours.ink}; border-bottom-color: {colours.accent}; font-weight: 600; }}
+    QPushButton#choice:checked {{ color: {colours.ink}; border-bottom-color: {colours.accent}; }}
     QPushButton#choice:focus {{ border-bottom-color: {colours.line}; }}
     QPushButton#choice:checked:focus {{ border-bottom-color: {colours.accent}; }}
     QDialog#calm, QDialog#calm QScrollArea, QDialog#calm QScrollArea > QWidget > QWidget {{ background: {colours.paper}; }}
@@ -33,7 +33,7 @@ def window_style(colours: Theme) -> str:
     QFrame#wizard-rail {{ background: {colours.panel}; border-right: 1px solid {colours.line}; }}
     QPushButton#wizard-step {{ border: none; background: transparent; text-align: left; color: {colours.soft_ink}; padding: 8px; }}
     QPushButton#wizard-step:hover {{ color: {colours.ink}; }}
-    QPushButton#wizard-step:checked {{ color: {colours.ink}; font-weight: 600; background: {colours.raised}; border-radius: 4px; }}
+    QPushButton#wizard-step:checked {{ color: {colours.ink}; background: {colours.raised}; border-radius: 4px; }}
     QFrame#calculator {{ border: 1px solid {colours.line}; border-radius: 6px; }}
     QFrame#calculator QLabel#summary {{ background: {colours.panel}; }}
     QMenuBar {{ background: {colours.panel}; border-bottom: 1px solid {colours.line}; }}

@@ -24,7 +24,7 @@ _TIPS = {
 _WORDS = 1
 BUTTONS = (("packet", "Send a &packet…", "One file with what a volunteer is asked, and nothing else"),
            ("merge", "&Take in a returned file…", "The votes of a packet, or of another copy of this study"),
-           ("invite", "&Invite…", "A volunteer's own access to a study on a server"),
+           ("invite", "&Invite…", "Gives a volunteer a code, and on a server an address of their own"),
            ("adjudicate", "Make ad&judicator", "Is asked about unresolved matches alone"),
            ("forget", "&Delete…", "Takes a volunteer who asks for it out of the study"))  # fmt: skip
 OF_ONE = ("adjudicate", "forget")
@@ -96,6 +96,7 @@ class VolunteersSection(QWidget):
         self.head.setObjectName("group-heading")
         self.advice.setObjectName("soft")
         self.table = quiet_table(HEADS, _WORDS, "to look at", self, _TIPS)
+        self.table.horizontalHeaderItem(len(HEADS) - 1).setTextAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
         self.table.itemSelectionChanged.connect(self._tell)
         self.buttons: dict[str, QPushButton] = {}
         row = QHBoxLayout()
@@ -148,10 +149,6 @@ class VolunteersSection(QWidget):
         self.buttons["adjudicate"].setText("No longer ad&judicator" if adjudicates else "Make ad&judicator")
         for name in OF_ONE:
             self.buttons[name].setEnabled(bool(self.chosen))
-
-    def show_server(self, on: bool) -> None:
-        """Invitations are for studies on servers."""
-        self.buttons["invite"].setVisible(on)
 
     def set_dark(self, dark: bool) -> None:
         """Tables follow the application."""

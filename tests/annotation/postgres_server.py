@@ -86,7 +86,8 @@ def running(**settings: str) -> Iterator[Server]:
         try:
             yield server
         finally:
-            server.control("stop", "-m", "immediate")
+            with contextlib.suppress(Unavailable):  # a test may have stopped it
+                server.control("stop", "-m", "immediate")
 
 
 def _run(command: list[object], folder: Path) -> None:
@@ -99,7 +100,7 @@ def _run(command: list[object], folder: Path) -> None:
         timeout=60, env={**os.environ, "LC_ALL": "C"},
     )  # fmt: skip
     if done.returncode:
-        raise Unavailable(f"{Path(str(command[0])).name} failed: {done.stdout.strip()[-300:]}")
+        raise Unavailable(f"{Path(str(command[0])).name} failed: {done.stdout.strip()[-300:]} {_log(folder)}")
 
 
 def _unprivileged() -> str:
@@ -119,3 +120,8 @@ def _free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
+
+
+def _log(folder: Path) -> str:
+    """The end of what the server itself said."""
+    return (folder / "log").read_text(errors="replace")[-300:] if (folder / "log").exists() else ""

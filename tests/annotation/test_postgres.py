@@ -1,6 +1,7 @@
 """Studies on a server: every way in which one can be unusable, and many who vote at once."""
 
 import contextlib
+import random
 import socket
 import subprocess
 import sys
@@ -11,6 +12,7 @@ import psycopg
 import pytest
 from judging_world import LAMP, VASE, identity, study_of
 from postgres_server import running
+from server_killing import kill_merging, kill_voting
 
 from annotation import invitations, postgres, schema, servererrors, study
 from engine.errors import BadInput
@@ -202,8 +204,8 @@ def test_a_connection_lost_in_the_middle(server, address):
         assert study.majority(handle)[FOOT] == (1, 1, 0, "tie")
 
 
-def test_a_server_that_stops_and_comes_back():
-    with running() as own, study_of(own.database()) as handle:
+def test_a_server_that_stops_and_comes_back(server, own):
+    with study_of(own.database()) as handle:
         study.record_vote(handle, FOOT, "anna", "correct")
         own.control("stop", "-m", "immediate")
         with pytest.raises(BadInput, match="lost the connection"):
@@ -334,3 +336,23 @@ def test_processes_of_volunteers_beside_the_researcher(address):
                 kept = connection.exec_driver_sql(f"SELECT uuid FROM event WHERE kind = 'vote' AND volunteer = '{code}'")
                 assert set(kept.scalars()) == set(output.split())
             assert len(output.split()) > 10
+
+
+@pytest.fixture(scope="module")
+def own():
+    """A server that may be killed."""
+    with running() as started:
+        yield started
+
+
+@pytest.mark.parametrize("seed", [1, 2])  # of a volunteer's process, and of the server
+def test_no_confirmed_vote_is_lost_by_a_kill(server, own, seed):
+    assert (random.Random(seed).random() < 0.5) == (seed == 1)
+    found = kill_voting(own, random.Random(seed))
+    assert found.cut
+    assert (found.lost, found.misattached) == (0, 0)
+
+
+def test_a_merge_cut_by_a_crash_is_whole_or_not_there(server, own, tmp_path):
+    found = kill_merging(own, tmp_path, random.Random(3), votes=100)
+    assert (found.confirmed, found.lost, found.misattached) == (100, 0, 0)

@@ -218,7 +218,7 @@ def _row(
     weights: Weights | None, pool: Mapping[str, set[str]],
 ) -> PrecisionRow:  # fmt: skip
     pairs = items_by_pair(results)
-    items = set[str]().union(*pairs.values())
+    items = _union(pairs.values())
     drawn = items if weights is None else items & weights.keys()
     seen = [cast[item] for item in items if item in cast]
     count = dict.fromkeys(("correct", "wrong", "tie", "unjudged"), 0)
@@ -241,7 +241,7 @@ def _row(
         volunteers=len(frozenset[str]().union(*(one.voters for one in seen))), votes=votes,
         unsure=_share(abstained, votes), seen=len(seen), unresolved=_share(len(seen) - decided, len(seen)),
         drawn=len(drawn), sampled=weights is not None,
-        recall=_share(sum(len(pool[pair] & pairs[pair]) for pair in found), sum(len(pool[pair]) for pair in found)),
+        recall=_share(len(_union(pool[pair] & pairs[pair] for pair in found)), len(_union(pool[pair] for pair in found))),
         recall_pairs=len(found),
     )  # fmt: skip
 
@@ -285,6 +285,10 @@ def interval_of(shares: Sequence[PairShare]) -> Interval | None:
 
 def _weights(items: Iterable[str], weights: Weights | None) -> list[float]:
     return [1.0 if weights is None else weights[item] for item in sorted(items)]
+
+
+def _union(sets: Iterable[set[str]]) -> set[str]:
+    return set[str]().union(*sets)
 
 
 def _share(part: float, whole: float) -> float | None:

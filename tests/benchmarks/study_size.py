@@ -89,7 +89,7 @@ def main(arguments: list[str]) -> None:
 
 def report(handle: study.StudyHandle, title: str) -> None:
     print(title)
-    left = iter([one.item_id for one in study.open_items(handle, "v03")])
+    left = iter(study.ordered_ids(handle, "v03"))
 
     def between() -> None:
         study.record_vote(handle, next(left), "v03", "correct", shown_ms=1000, active_ms=900)

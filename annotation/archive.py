@@ -8,6 +8,7 @@ import shutil
 import stat
 import tempfile
 import zipfile
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -25,7 +26,7 @@ from .stamps import app_version, now
 from .study import about, open_study
 
 STUDY, README = "study.db", "README.txt"
-MOST_FILES, LARGEST = 64, 32 * 2**30
+MOST_FILES, LONGEST_README = 64, 2**16
 _ALLOWED = re.compile(r"study\.db|README\.txt|exports/[a-z]+\.[a-z]+")
 _SUM = re.compile(r"([0-9a-f]{64})  (\S+)")
 
@@ -56,10 +57,11 @@ def archive(handle: StudyHandle, out: Path | str, changing: Unchanged | None = N
         names = [STUDY, *sorted(f"exports/{file}" for file in files)]
         sums = {file: _hash(folder / file) for file in names}
         (folder / README).write_text(_readme(name, sums), encoding="utf-8")
-        with zipfile.ZipFile(folder / path.name, "w", zipfile.ZIP_DEFLATED) as packed:
+        whole = folder / "whole.zip"
+        with zipfile.ZipFile(whole, "w", zipfile.ZIP_DEFLATED) as packed:
             for file in (README, *names):
                 packed.write(folder / file, file)
-        os.replace(folder / path.name, path)
+        os.replace(whole, path)
     return Archived(path, sums)
 
 
@@ -73,7 +75,7 @@ def unpack(path: Path | str, folder: Path | str) -> Path:
         with zipfile.ZipFile(path) as packed, _staged(target) as staged:
             whole = staged / "whole"
             (whole / "exports").mkdir(parents=True)
-            for info in _checked(packed, path):
+            for info in _checked(packed, path, shutil.disk_usage(staged).free):
                 with packed.open(info) as source, open(whole / info.filename, "xb") as file:
                     shutil.copyfileobj(source, file, 2**20)
             _check_sums(whole, path)
@@ -81,7 +83,7 @@ def unpack(path: Path | str, folder: Path | str) -> Path:
             os.rename(whole, target)
     except FileNotFoundError:
         raise BadInput(f"{path} does not exist; give the zip that `concord study archive` wrote.") from None
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError, ValueError) as error:
+    except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError, ValueError) as error:
         raise BadInput(f"{path} cannot be taken apart ({error}); get the archive again.") from None
     return target / STUDY
 
@@ -116,16 +118,18 @@ def _staged(path: Path) -> Iterator[Path]:
         raise BadInput(f"{path} cannot be written ({error.strerror}); choose another folder or make room.") from None
 
 
-def _checked(packed: zipfile.ZipFile, path: Path | str) -> list[zipfile.ZipInfo]:
-    """The entries of a zip, when they are those of an archive."""
+def _checked(packed: zipfile.ZipFile, path: Path | str, room: int) -> list[zipfile.ZipInfo]:
+    """The entries of a zip, when they are those of an archive and there is room for them (in bytes)."""
     infos = packed.infolist()
     names = [info.filename for info in infos]
     strange = [info.filename for info in infos if not _ALLOWED.fullmatch(info.filename) or stat.S_ISLNK(info.external_attr >> 16)]
     if strange or len(set(names)) < len(names) or len(infos) > MOST_FILES or not {STUDY, README} <= set(names):
         what = f"it holds {strange[0]!r}" if strange else "its files are not those of one"
         raise BadInput(f"{path} is no archive of a study ({what}); give the zip that `concord study archive` wrote.")
-    if sum(info.file_size for info in infos) > LARGEST:
-        raise BadInput(f"{path} would take more than {LARGEST >> 30} GB; it is no archive of a study.")
+    if packed.getinfo(README).file_size > LONGEST_README:
+        raise BadInput(f"{path} is no archive of a study (its {README} is too long); give another zip.")
+    if (needed := sum(info.file_size for info in infos)) > room:
+        raise BadInput(f"{path} needs {needed / 1e9:.1f} GB where {room / 1e9:.1f} GB are free; make room, or check where it is from.")
     return infos
 
 

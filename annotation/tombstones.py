@@ -31,7 +31,7 @@ class Tombstone(NamedTuple):
 @functools.lru_cache(maxsize=4096)
 def code_hash(family: str, code: str) -> str:
     """A slow hash of a code (scrypt, salted with the study), for codes are short and would be found by trying."""
-    return hashlib.scrypt(code.encode(), salt=family.encode(), n=2**12, r=8, p=1, dklen=24).hex()
+    return hashlib.scrypt(code.encode(), salt=family.encode(), n=2**14, r=8, p=1, dklen=24).hex()
 
 
 def family_of(row: Row[Any]) -> str:

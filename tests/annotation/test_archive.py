@@ -132,6 +132,7 @@ def link(path: str) -> zipfile.ZipInfo:
         (lambda e: e | {"exports/more.csv": b"item"}, r"damaged \(exports/more.csv"),
         (lambda e: {n: d for n, d in e.items() if n != "exports/votes.csv"}, r"damaged \(exports/votes.csv"),
         (lambda e: e | {"README.txt": b"\xff\xfe"}, "cannot be taken apart"),
+        (lambda e: e | {"README.txt": bytes(100_000)}, "too long"),
     ],
 )
 def test_a_zip_that_is_no_archive_is_refused_and_leaves_nothing(whole, tmp_path, change, sentence):
@@ -141,6 +142,18 @@ def test_a_zip_that_is_no_archive_is_refused_and_leaves_nothing(whole, tmp_path,
     with pytest.raises(BadInput, match=sentence):
         unpack(bad, tmp_path / "out")
     assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_zip_that_says_to_be_larger_than_the_disk_is_refused(whole, tmp_path):
+    data = bytearray(archive(whole, tmp_path / "a.zip").path.read_bytes())
+    entry = data.rfind(b"PK\x01\x02", 0, data.find(b"exports/dictionary.json", data.rfind(b"study.db")))
+    data[entry + 24 : entry + 28] = b"\xfe\xff\xff\xff"  # the size without compression in the directory of the zip
+    (tmp_path / "b.zip").write_bytes(data)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("shutil.disk_usage", lambda _: type("", (), {"free": 4_000_000_000}))
+        with pytest.raises(BadInput, match=r"needs 4\.3 GB where 4\.0 GB are free"):
+            unpack(tmp_path / "b.zip", tmp_path / "out")
+    assert not (tmp_path / "out").exists()
 
 
 def test_files_that_are_no_zip_or_broken_are_told(whole, tmp_path):

@@ -77,7 +77,8 @@ class StudyDesk(QObject):
     def say_done(self, sentence: str) -> None:
         """Say what was done, and read the votes again."""
         self.window.status.text.setText(sentence)
-        self.window.judging.refresh()
+        self.window.judging.refresh()  # which counts anew what is judged; the sentence comes after that
+        self.window.judging.ask(lambda _: None, lambda _: self.window.status.text.setText(sentence))
 
     def _ask(self, *asked: Any, **more: Any) -> AskDialog:
         dialog = AskDialog(self.window, *asked, **more)
@@ -112,7 +113,7 @@ class StudyDesk(QObject):
         data_folder().mkdir(parents=True, exist_ok=True)
         wizard.wanted.connect(lambda wanted: self._create(wizard, wanted))
         wizard.open()
-        if handle is not None and own is not None:
+        if handle is not None and handle.volunteer is None:
             self._estimate(wizard, handle)
 
     def sources(self) -> list[Source]:

@@ -36,12 +36,12 @@ def runs_of_bars(make_bar, pairs=2):
     return runs, shapes
 
 
-def judged_study(path, make_bar, votes=None, **design):
+def judged_study(path, make_bar, cast=None, **design):
     """A study of these in a file, with the given votes {code: {item row: answer}}; items in the order of the runs."""
     runs, shapes = runs_of_bars(make_bar)
     with create_design(path, runs, Design(name="Bars", **design), shapes=shapes) as handle:
         items = items_of(runs)
-        for code, answers in (votes or {}).items():
+        for code, answers in (cast or {}).items():
             for row, answer in answers.items():
                 record_vote(handle, items[row], code, answer, active_ms=4000)
     return items

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from PySide6.QtWidgets import QWidget
+
     from .main_window import MainWindow
 
 PATIENCE = 180.0
@@ -21,14 +23,15 @@ def take_all(out: Path) -> list[Path]:
     for dark in (False, True):
         with tempfile.TemporaryDirectory() as data:
             os.environ["CONCORD_HOME"] = data
-            written += _take(out, dark)
+            written += _take(out, dark, Path(data))
     return written
 
 
-def _take(out: Path, dark: bool) -> list[Path]:
+def _take(out: Path, dark: bool, data: Path) -> list[Path]:
     from PySide6.QtWidgets import QApplication
 
     from .main_window import MainWindow
+    from .screenshots_voting import take_voting
     from .startup import open_window
 
     app = QApplication.instance() or QApplication(sys.argv[:1])
@@ -46,10 +49,13 @@ def _take(out: Path, dark: bool) -> list[Path]:
         end = time.monotonic() + seconds
         wait(lambda: time.monotonic() > end and not any(j.busy() for j in (window.study_jobs, window.jobs, window.studies.jobs)))
 
+    def save(name: str, shown: "QWidget") -> None:
+        written.append(out / f"{name}-{'dark' if dark else 'light'}.png")
+        shown.grab().save(str(written[-1]))
+
     def shot(name: str) -> None:
         rest()
-        written.append(out / f"{name}-{'dark' if dark else 'light'}.png")
-        window.grab().save(str(written[-1]))
+        save(name, window)
 
     window = MainWindow(dark=dark)
     open_window(window)
@@ -91,6 +97,7 @@ def _take(out: Path, dark: bool) -> list[Path]:
     window.show_page("shapes")
     window.say("vase.off has no faces; Concord needs a surface made of triangles.", "details")
     shot("message")
+    take_voting(window, data, wait, save)
     window.close()
     window.deleteLater()
     app.processEvents()

@@ -246,7 +246,7 @@ def test_merging_takes_joins_along(voted, tmp_path):
         pass
     new = merge(tmp_path / "empty.db", voted.path, other_study=True)
     assert (new.items, new.runs, new.events) == (20, 2, 17)
-    assert merge(tmp_path / "empty.db", voted.path, other_study=True) == (0, 0, 0, 0)
+    assert merge(tmp_path / "empty.db", voted.path, other_study=True) == (0, 0, 0, 0, 0)
     with study.open_study(tmp_path / "empty.db") as handle:
         assert precision_table(handle) == precision_table(voted)
         assert {i.id: i for i in study.items(handle, "anna")} == {i.id: i for i in study.items(voted, "anna")}

@@ -15,7 +15,8 @@ GUIDELINE = (
     "Two parts correspond if they are the same part of the thing: a foot and a foot, a handle and a handle. It does not "
     "matter whether one is cut a little longer than the other."
 )
-REASON = "Both are the same part of the lamp, although one of them is cut into more pieces."
+REASON = "One arm holds the shade, the other the ring: they are not the same part."
+JOINS = 6
 
 
 def make_study(window: "MainWindow", path: Path) -> "StudyHandle":
@@ -23,7 +24,7 @@ def make_study(window: "MainWindow", path: Path) -> "StudyHandle":
     from annotation import study
     from annotation.blobs import keep_shapes
     from annotation.design import put_asked
-    from annotation.puzzlejoins import add_solution
+    from annotation.puzzlejoins import solution_items
     from annotation.sampling import Drawn
 
     state, puzzle = window.session.state, window.puzzle.session.state
@@ -31,10 +32,10 @@ def make_study(window: "MainWindow", path: Path) -> "StudyHandle":
     study.add_result(handle, state.result, set_name="lamps")
     keep_shapes(handle, (state.source, state.target))
     if puzzle.solution is not None:
-        add_solution(handle, puzzle.puzzle, puzzle.solution)
+        study.add_items(handle, solution_items(puzzle.puzzle, puzzle.solution)[:JOINS])
     first = state.result.ids[0]
     ids = [item.id for item in study.items(handle, "anna")]
-    rows = [Drawn(i, "practice" if i == first else "judged", "correct" if i == first else None,
+    rows = [Drawn(i, "practice" if i == first else "judged", "wrong" if i == first else None,
                   REASON if i == first else "", "", None, False) for i in ids]  # fmt: skip
     with handle.writing() as connection:
         put_asked(connection, rows)
@@ -70,7 +71,7 @@ def take_voting(window: "MainWindow", folder: Path, wait: Callable, shot: Callab
     press(Qt.Key.Key_Return)
     wait(lambda: voting.screen.asking)
     show("practice")
-    press(Qt.Key.Key_F)
+    press(Qt.Key.Key_J)
     show("feedback")
     press(Qt.Key.Key_Return)
     _questions(voting, press, show)

@@ -44,6 +44,7 @@ class FeedbackBar(QWidget):
         super().__init__(parent)
         self.heading = QLabel("", self, textFormat=Qt.TextFormat.PlainText)
         self.reason = QLabel("", self, textFormat=Qt.TextFormat.PlainText, wordWrap=True)
+        self.reason.setStyleSheet("font-size: 15px;")
         self.next = _large("Next\nEnter", self)
         self.next.setObjectName("primary")
         self.next.clicked.connect(self.left)

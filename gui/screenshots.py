@@ -31,6 +31,7 @@ def _take(out: Path, dark: bool, data: Path) -> list[Path]:
     from PySide6.QtWidgets import QApplication
 
     from .main_window import MainWindow
+    from .screenshots_study import take_study
     from .screenshots_voting import take_voting
     from .startup import open_window
 
@@ -53,9 +54,9 @@ def _take(out: Path, dark: bool, data: Path) -> list[Path]:
         written.append(out / f"{name}-{'dark' if dark else 'light'}.png")
         shown.grab().save(str(written[-1]))
 
-    def shot(name: str) -> None:
+    def shot(name: str, shown: "QWidget | None" = None) -> None:
         rest()
-        save(name, window)
+        save(name, shown or window)
 
     window = MainWindow(dark=dark)
     open_window(window)
@@ -97,6 +98,8 @@ def _take(out: Path, dark: bool, data: Path) -> list[Path]:
     window.show_page("shapes")
     window.say("vase.off has no faces; Concord needs a surface made of triangles.", "details")
     shot("message")
+    window.messages.dismiss()
+    take_study(window, data, wait, shot)
     take_voting(window, data, wait, save)
     window.close()
     window.deleteLater()

@@ -122,7 +122,7 @@ def by_worst(state: PuzzleState) -> list[int]:
 
 
 def counts_text(state: PuzzleState) -> str:
-    """'432 pieces · 431 placed · 23 joins below .95 · 2 locked', for the status line."""
+    """'432 pieces · 431 placed · 23 joins below .95 · 12 of 816 judged · 2 locked', for the status line."""
     if state.puzzle is None:
         return "Open a picture or a folder of pieces."
     n = state.puzzle.count
@@ -137,6 +137,9 @@ def counts_text(state: PuzzleState) -> str:
         doubtful = int((state.solution.joins.confidence < state.below).sum())
         total = len(state.solution.joins)
         parts.append(f"{total} joins" if state.below >= 1 else f"{doubtful} of {total} joins below {share_text(state.below)}")
+    judged = sum(state.verdicts.get(item) in ("correct", "wrong", "tie") for item in state.items)
+    if judged:
+        parts.append(f"{judged} of {len(state.items)} judged")
     parts += [f"{len(which)} {word}" for which, word in wishes_counts(state.wishes) if len(which)]
     return " · ".join(parts)
 

@@ -277,7 +277,7 @@ class StudyDesk(QObject):
 
     def adjudicate(self, code: str) -> None:
         """Let a volunteer judge what stays unresolved, or no longer."""
-        from annotation.voting import make_adjudicator
+        from annotation.volunteers import make_adjudicator
 
         rows = {row.code: row.adjudicates for row in self.window.results.volunteers.rows}
         on = not rows.get(code, False)

@@ -281,6 +281,8 @@ def test_the_status_line_counts(square):
     assert "press Solve" in counts_text(PuzzleState(puzzle=puzzle))
     text = counts_text(replace(solved(square), wishes=pin(lock(NO_WISHES, one(solution.joins, 0), single=True), [Pin(0, 0, 0)])))
     assert text == "4 pieces · all placed · 3 of 4 joins below .95 · 1 locked · 1 pinned"
+    judged = replace(solved(square), items=("a", "b", "c", "d"), verdicts={"a": "correct", "c": "tie", "of another": "wrong"})
+    assert counts_text(judged) == "4 pieces · all placed · 3 of 4 joins below .95 · 2 of 4 judged"
 
 
 def test_a_share_is_never_rounded_to_all():

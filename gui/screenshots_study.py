@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 SIMULATED = (("anna", 0.05, 9000), ("ben", 0.12, 6500), ("carla", 0.3, 1500))  # share of wrong answers, milliseconds a vote
 
 
-def study_pictures(window: "MainWindow", folder: Path, wait: Callable, shot: Callable) -> None:
+def take_study(window: "MainWindow", folder: Path, wait: Callable, shot: Callable) -> None:
     """Make a study of the bundled pairs with answers of simulated volunteers, and take a picture of everything about it."""
     path = folder / "examples.db"
     make_study(path)

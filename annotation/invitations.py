@@ -14,7 +14,7 @@ from engine.errors import BadInput, BadParameter
 from . import schema
 from .handle import StudyHandle
 from .postgres import StudyServer
-from .servergroups import ready_group
+from .servergroups import group_name, ready_group
 from .voting import checked_code
 from .voting import volunteer as known_volunteer
 
@@ -39,15 +39,11 @@ def invite(server: StudyServer, code: str, *, adjudicator: bool = False, again: 
     code = checked_code(code)
     with server.writing() as connection:
         _check_may_invite(connection, server.where)
-        role = connection.scalar(text("SELECT role FROM invited WHERE code = :code"), {"code": code})
-        if (role is not None) != again:
-            raise BadParameter(
-                f"{code} was never invited; leave out --again." if again else
-                f"{code} is invited already; give --again for a new address, which ends the old one."
-            )  # fmt: skip
+        _role_of(connection, code, again)
     register(server, code, adjudicator=adjudicator)
     with server.writing() as connection:
-        return _login(connection, server.url, role, volunteer=code)
+        _sweep(connection)
+        return _login(connection, server.url, _role_of(connection, code, again), volunteer=code)
 
 
 def invite_researcher(server: StudyServer) -> str:
@@ -66,12 +62,33 @@ def uninvite(server: StudyServer, code: str) -> None:
         if role is None:
             raise BadInput(f"{server.where} has no invited volunteer {code}; check the code.")
         _end(connection, role)
+        _sweep(connection)
 
 
 def invited(server: StudyServer) -> tuple[str, ...]:
     """The codes of those who are invited at present."""
     with server.reading() as connection:
         return tuple(connection.scalars(text("SELECT code FROM invited WHERE code IS NOT NULL ORDER BY code")))
+
+
+def _role_of(connection: Connection, code: str, again: bool) -> str | None:
+    """The login of a volunteer, None for one who is new; raises `BadParameter` where that is not as it was said to be."""
+    role: str | None = connection.scalar(text("SELECT role FROM invited WHERE code = :code"), {"code": code})
+    if (role is not None) != again:
+        raise BadParameter(
+            f"{code} was never invited; leave out --again." if again else
+            f"{code} is invited already; give --again for a new address, which ends the old one."
+        )  # fmt: skip
+    return role
+
+
+def _sweep(connection: Connection) -> None:
+    """Remove logins of volunteers who were deleted from the study."""
+    members = """SELECT m.rolname FROM pg_auth_members AS a JOIN pg_roles AS g ON g.oid = a.roleid
+    JOIN pg_roles AS m ON m.oid = a.member WHERE g.rolname = :name AND m.rolname ~ '^concord_[0-9a-f]{16}$'
+    AND NOT EXISTS (SELECT 1 FROM invited AS i WHERE i.role = m.rolname)"""
+    for role in connection.scalars(text(members), {"name": group_name(connection, "volunteers")}).all():
+        _end(connection, role)
 
 
 def _login(connection: Connection, url: URL, role: str | None, volunteer: str | None) -> str:

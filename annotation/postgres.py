@@ -12,6 +12,7 @@ from typing import Any, Self
 
 from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url, text
 from sqlalchemy.exc import ArgumentError, DBAPIError, IntegrityError, ProgrammingError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
 
 from engine.errors import BadInput
 
@@ -20,7 +21,7 @@ from .servererrors import LOCK_SECONDS, explained
 from .servergroups import grant_again
 
 CONNECT_SECONDS = 10
-_STUDY_LOCK = 0x436E6364  # key of the advisory lock of the study; with the hash of a code, that of a volunteer
+_STUDY_LOCK = 0x436E6364  # key of the advisory lock of the study; that of a volunteer is 1 and the number of the login
 _NETWORK = {
     "connect_timeout": CONNECT_SECONDS, "application_name": "concord", "prepare_threshold": None,
     "keepalives_idle": 30, "keepalives_interval": 10, "keepalives_count": 3, "tcp_user_timeout": 30_000,
@@ -178,8 +179,9 @@ def _wait_for_turn(connection: Connection, volunteer: str | None) -> None:
     if volunteer is None:
         connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _STUDY_LOCK})
     else:
-        both = "SELECT pg_advisory_xact_lock_shared(:key), pg_advisory_xact_lock(1, hashtext(:code))"
-        connection.execute(text(both), {"key": _STUDY_LOCK, "code": volunteer})
+        own = "CAST(CAST(CAST(session_user AS regrole) AS oid) AS integer)"  # which tells others less than the code would
+        both = f"SELECT pg_advisory_xact_lock_shared(:key), pg_advisory_xact_lock(1, {own})"
+        connection.execute(text(both), {"key": _STUDY_LOCK})
 
 
 def _connectable(url: URL, search_path: str) -> Engine:
@@ -209,6 +211,8 @@ def _told(where: str, volunteer: str | None = None, *, opened: bool = True) -> I
         yield
     except IntegrityError:
         raise  # a fault of ours, not of the server
+    except PoolTimeout:
+        raise BadInput(f"{where} is used by too many at once in this program; try again.") from None
     except (DBAPIError, psycopg.Error) as error:
         state = getattr(getattr(error, "orig", error), "sqlstate", None)
         if isinstance(error, ProgrammingError) and state not in ("42501", "42P01", "3F000", "42703", "42883"):

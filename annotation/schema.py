@@ -10,6 +10,7 @@ from typing import Any
 from sqlalchemy import (
     REAL,
     TEXT,
+    BigInteger,
     CheckConstraint,
     Column,
     Connection,
@@ -31,6 +32,7 @@ APPLICATION_ID = 0x436E6364  # "Cncd", in the header of every study file
 
 metadata = MetaData()
 Real: TypeEngine[Any] = REAL().with_variant(DOUBLE_PRECISION(), "postgresql")
+Long = Integer().with_variant(BigInteger(), "postgresql")  # 64 bits on both: an hour is 3.6 million milliseconds
 Words = Text().with_variant(TEXT(collation="C"), "postgresql")  # sorted by code points, as on SQLite, whatever the server
 
 
@@ -125,7 +127,7 @@ event = Table(
     Column("round", Integer, nullable=False),
     Column("answer", Text, CheckConstraint("answer IN ('correct', 'wrong', 'unsure')")), _text("comment"),
     Column("supersedes", Text, ForeignKey("event.uuid")),
-    Column("clock", Integer, nullable=False), Column("shown_ms", Integer), Column("active_ms", Integer),
+    Column("clock", Integer, nullable=False), Column("shown_ms", Long), Column("active_ms", Long),
     _text("presentation"), _text("app_version"), _text("created_at"),
     CheckConstraint("(kind = 'vote') = (answer IS NOT NULL)"),
     CheckConstraint("kind = 'vote' OR supersedes IS NOT NULL"),

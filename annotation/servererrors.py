@@ -17,6 +17,7 @@ _BY_STATE = (  # beginnings of SQLSTATE codes (PostgreSQL's documentation, appen
     ("3F000", "holds no study; create one there with `concord study create`, or check the name of the database."),
     ("42P01", "holds no study; create one there with `concord study create`, or check the name of the database."),
     ("42703", "holds no study that Concord can read; check the name of the database."),
+    ("22003", "cannot keep a number as large as that; check the clock of this computer and try again."),
     ("22", "cannot keep this text (it holds a character that no text may hold); change it and try again."),
     ("XX", "is damaged, says its server; restore the database from a backup."),
 )
@@ -38,8 +39,7 @@ def explained(where: str, error: Exception, *, opened: bool = True, volunteer: s
     if state == "42501" or (volunteer is not None and state in _NOT_INTO_VIEWS):
         return f"{where} {_forbidden(opened, volunteer)}"
     if not state or state.startswith(("08", "57P")) or getattr(error, "connection_invalidated", False):
-        said = "" if opened else str(original)
-        state = next((code for words, code in _BY_WORDS if re.search(words, said)), "")
+        state = next((code for words, code in _BY_WORDS if re.search(words, str(original))), "")
         return f"{where} {_sentence(state) or (LOST if opened else UNREACHABLE)}"
     first = str(original).strip().splitlines()[0] if str(original).strip() else type(original).__name__
     return f"{where} {_sentence(state) or f'refused ({first}), so nothing was saved; try again.'}"

@@ -11,7 +11,7 @@ GRANTS: dict[str, Callable[[str], Iterator[str]]] = {"volunteers": volunteer_gra
 
 def ready_group(connection: Connection, members: str) -> str:
     """The group of all "volunteers" or "researchers" of this database, with its rights (granting twice does no harm)."""
-    group = _name(connection, members)
+    group = group_name(connection, members)
     if not _exists(connection, group):
         connection.exec_driver_sql(f"CREATE ROLE {group} NOLOGIN")
     _grant(connection, members, group)
@@ -27,7 +27,7 @@ def ready_group(connection: Connection, members: str) -> str:
 def grant_again(connection: Connection) -> None:
     """Grant the groups that there are what they may do, after views were made anew."""
     for members in GRANTS:
-        group = _name(connection, members)
+        group = group_name(connection, members)
         if _exists(connection, group):
             _grant(connection, members, group)
 
@@ -41,7 +41,7 @@ def _exists(connection: Connection, group: str) -> bool:
     return connection.scalar(text("SELECT 1 FROM pg_roles WHERE rolname = :name"), {"name": group}) is not None
 
 
-def _name(connection: Connection, members: str) -> str:
+def group_name(connection: Connection, members: str) -> str:
     """Roles are known to all databases of a server; the number of this one tells its groups apart."""
     number = connection.scalar(text("SELECT oid FROM pg_database WHERE datname = current_database()"))
     return f"concord_{members}_{number}"

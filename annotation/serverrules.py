@@ -69,14 +69,17 @@ POLICIES = (
 # Views are read with the rights of the study's owner, who passes row-level security; hence each says whose rows. Items
 # come by their ids, since the order in which a run proposed them is that of its scores, and without the time that tells
 # runs apart.
+_INVITED = "WHERE (SELECT concord.own_code()) IS NOT NULL"  # a login may outlive its invitation for a moment
+_OWN = "WHERE volunteer = concord.own_code()"
 BLIND_VIEWS = {
-    "study": """SELECT id, name, question, guideline, ''::text AS seed, '{}'::text AS settings, app_version, created_at,
-    votes, adaptive, unsure FROM concord.study""",
-    "item": "SELECT id, kind, concord.shown(kind, payload) AS payload, ''::text AS created_at FROM concord.item ORDER BY id",
-    "practice": "SELECT item_id, answer, reason FROM concord.practice ORDER BY item_id",
-    "open_item": "SELECT volunteer, item_id, round FROM concord.open_item WHERE volunteer = concord.own_code() ORDER BY item_id",
-    "standing_vote": "SELECT * FROM concord.standing_vote WHERE volunteer = concord.own_code()",
-    "current_vote": "SELECT * FROM concord.current_vote WHERE volunteer = concord.own_code()",
+    "study": f"""SELECT id, name, question, guideline, ''::text AS seed, '{{}}'::text AS settings, app_version, created_at,
+    votes, adaptive, unsure FROM concord.study {_INVITED}""",
+    "item": f"""SELECT id, kind, concord.shown(kind, payload) AS payload, ''::text AS created_at FROM concord.item
+    {_INVITED} ORDER BY id""",
+    "practice": f"SELECT item_id, answer, reason FROM concord.practice {_INVITED} ORDER BY item_id",
+    "open_item": f"SELECT volunteer, item_id, round FROM concord.open_item {_OWN} ORDER BY item_id",
+    "standing_vote": f"SELECT * FROM concord.standing_vote {_OWN}",
+    "current_vote": f"SELECT * FROM concord.current_vote {_OWN}",
 }
 
 

@@ -87,7 +87,7 @@ def test_one_who_is_uninvited_but_still_connected_sees_nothing(server, address):
         given = invitations.invite(owner, "anna")
         with psycopg.connect(given, autocommit=True) as connection:
             server.sql("DELETE FROM concord.invited", address.rpartition("/")[2])
-            for name in ("concord.event", "concord.volunteer", "concord.blob", "blind.open_item", "blind.current_vote"):
+            for name in ("concord.event", "concord.volunteer", "concord.blob", "blind.study", "blind.item", "blind.open_item"):
                 assert connection.execute(f"SELECT * FROM {name}").fetchall() == []
 
 

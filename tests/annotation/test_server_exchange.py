@@ -104,8 +104,14 @@ def test_a_volunteer_is_forgotten_with_the_login(address, votes_too):
         assert votes_too or study.majority(owner) == verdicts
         assert "bert" not in [voter.code for voter in study.volunteers(owner)]
         assert invitations.invited(owner) == ()
+        with psycopg.connect(personal, autocommit=True) as connection:
+            for name in ("study", "item", "practice", "open_item", "current_vote", "standing_vote"):
+                assert connection.execute(f"SELECT * FROM blind.{name}").fetchall() == []
         with pytest.raises(BadInput), study.open_study(personal) as handle:
             study.record_vote(handle, ids_of(owner)[0], "bert", "wrong")
+        invitations.invite(owner, "eva")
+        with pytest.raises(BadInput, match="does not let this user in"):  # the login is gone with the next invitation
+            study.open_study(personal)
         assert "bert" not in repr([row for name, row in on_server(address).items() if name != "blob"])
         with pytest.raises(Exception, match="only ever added"), owner.writing() as connection:
             connection.exec_driver_sql("DELETE FROM event")

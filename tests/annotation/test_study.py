@@ -125,6 +125,10 @@ def test_of_many_votes_all_are_kept_or_none(handle):
     assert study.volunteers(handle) == ()
 
 
+def test_a_screen_left_open_for_months_takes_the_vote(handle):
+    assert study.record_vote(handle, FOOT, "anna", "wrong", shown_ms=10**10).shown_ms == 10**10
+
+
 def test_a_second_answer_replaces_the_first_and_keeps_it(handle):
     first = study.record_vote(handle, FOOT, "anna", "wrong")
     second = study.record_vote(handle, FOOT, "anna", "correct")

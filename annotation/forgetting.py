@@ -4,6 +4,7 @@ The votes stay under another code, without comments and with their times cut to 
 so that nothing of what was removed can be read from it, and so are its backups.
 """
 
+import contextlib
 import json
 import sqlite3
 from collections.abc import Iterable
@@ -61,6 +62,8 @@ def forget(handle: StudyHandle, code: str, *, votes_too: bool = False) -> Forgot
             raise BadInput(f"The study has no volunteer {code}; check the code.")
         before = connection.scalar(select(func.count()).select_from(schema.event)) or 0
         made = tombstone(family_of(study), code, votes_kept=not votes_too, at=now())
+        if found is not None and found.pseudonym == code:
+            made = found._replace(votes_kept=made.votes_kept)
         buried = bury(connection, [made])
         lay_to_rest(connection, buried)
         _rename_in_settings(connection, study, buried)
@@ -110,15 +113,18 @@ def lay_to_rest(connection: Connection, buried: Tombstones) -> int:
 def clean_backups(handle: StudyHandle) -> Cleaned:
     """Delete from the backups beside a study file whoever is deleted from the study.
 
-    Those that this version of Concord cannot rewrite (older or damaged ones) are removed.
+    Those that this version of Concord cannot rewrite are removed: damaged ones, and older ones with such a volunteer.
     """
     if not isinstance(handle, StudyFile):
         return Cleaned((), ())
     with handle.reading() as connection:
         rows = read_tombstones(connection)
+        buried = Tombstones(family_of(connection.execute(select(schema.study)).one()), rows)
     rewritten, removed = [], []
     for copy in every_backup(handle.path):
         try:
+            if _older_without(copy, buried):
+                continue
             _clean(copy, rows)
             rewritten.append(copy)
         except BadInput:
@@ -127,18 +133,21 @@ def clean_backups(handle: StudyHandle) -> Cleaned:
     return Cleaned(tuple(rewritten), tuple(removed))
 
 
-def _clean(copy: Path, rows: Iterable[Tombstone]) -> None:
-    """Lay to rest in one backup; raises `BadInput` where that is not possible."""
+def _older_without(copy: Path, buried: Tombstones) -> bool:
+    """Whether a backup is of an older version and has nobody who is deleted; raises `BadInput` if it has, or is damaged."""
     try:
-        raw = sqlite3.connect(copy)
-        try:
+        with contextlib.closing(sqlite3.connect(copy)) as raw:
             version = check_inside(copy, raw)
-        finally:
-            raw.close()
+            codes = [code for (code,) in raw.execute("SELECT code FROM volunteer")]
     except sqlite3.DatabaseError:
-        version = 0
-    if version != schema.SCHEMA_VERSION:
-        raise BadInput(f"{copy} cannot be rewritten.")
+        raise BadInput(f"{copy} cannot be read.") from None
+    if version < schema.SCHEMA_VERSION and any(buried.of(code) for code in codes):
+        raise BadInput(f"{copy} is too old to be rewritten.")
+    return version < schema.SCHEMA_VERSION
+
+
+def _clean(copy: Path, rows: Iterable[Tombstone]) -> None:
+    """Lay to rest in one backup."""
     with StudyFile(copy) as handle:
         with handle.rewriting() as connection:
             buried = bury(connection, rows)

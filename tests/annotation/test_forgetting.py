@@ -72,8 +72,11 @@ def test_the_votes_can_go_too(tmp_path):
 
 
 def test_votes_that_stayed_may_go_later_but_never_come_back(tmp_path):
+    with voted(tmp_path / "b.db") as handle:
+        new = forget(handle, CODE).pseudonym
+        assert (forget(handle, new).kept, forget(handle, new, votes_too=True).removed) == (4, 4)
+        assert len(content(tmp_path / "b.db")["forgotten"]) == 1
     with voted(tmp_path / "a.db") as handle:
-        shutil.copy(tmp_path / "a.db", tmp_path / "kept.db")
         forget(handle, CODE)
         assert forget(handle, CODE, votes_too=True).removed == 4
         assert forget(handle, CODE) == forget(handle, CODE)
@@ -126,10 +129,15 @@ def test_backups_that_cannot_be_rewritten_are_removed(tmp_path):
     with voted(tmp_path / "a.db") as handle:
         with closing(sqlite3.connect(tmp_path / "a.db")) as raw:
             old, damaged = back_up(raw, tmp_path / "a.db", "version-1"), back_up(raw, tmp_path / "a.db")
-        with closing(sqlite3.connect(old)) as raw:
-            raw.execute("PRAGMA user_version=1")
+            innocent = back_up(raw, tmp_path / "a.db", "version-0")
+        with closing(sqlite3.connect(innocent)) as raw:
+            raw.executescript("DROP TRIGGER event_never_deleted; DELETE FROM event; DELETE FROM volunteer; VACUUM")
+        for copy in (old, innocent):
+            with closing(sqlite3.connect(copy)) as raw:
+                raw.execute("PRAGMA user_version=1")
         damaged.write_bytes(damaged.read_bytes()[:5000])
         assert forget(handle, CODE).backups == ((), (damaged, old))
+        assert every_backup(tmp_path / "a.db") == [innocent]
     assert CODE.encode() not in disk(tmp_path)
 
 

@@ -10,15 +10,13 @@ ones, which shifts both figures; those of the items that were marked to get all 
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from sqlalchemy import select
 
 from . import schema
+from .ballots import Ballot
 from .handle import StudyHandle
-
-if TYPE_CHECKING:
-    from .precision import Ballot
 
 EVERYTHING = "all matches"
 OVERLAPPED = "overlapped matches"
@@ -79,7 +77,7 @@ def krippendorff_alpha(units: Iterable[Sequence[str]]) -> float | None:
     return 1 - _observed_disagreement(pairable) / expected
 
 
-def decisive(votes: Iterable["Ballot"]) -> dict[str, dict[str, str]]:
+def decisive(votes: Iterable[Ballot]) -> dict[str, dict[str, str]]:
     """The answers of each volunteer by item; abstentions are left out."""
     found: dict[str, dict[str, str]] = {}
     for item, volunteer, answer in votes:
@@ -89,7 +87,7 @@ def decisive(votes: Iterable["Ballot"]) -> dict[str, dict[str, str]]:
 
 
 def agreement_rows(
-    votes: Iterable["Ballot"], overlapped: Collection[str] = (), sets: Mapping[str, Collection[str]] | None = None
+    votes: Iterable[Ballot], overlapped: Collection[str] = (), sets: Mapping[str, Collection[str]] | None = None
 ) -> tuple[AgreementRow, ...]:
     """Agreement on the overlapped items alone (where there are any), on all, and on those of each set (of several)."""
     answers = decisive(votes)
@@ -100,7 +98,7 @@ def agreement_rows(
     return tuple(_agreement(name, [list(answers[i].values()) for i in items if i in answers]) for name, items in groups.items())
 
 
-def volunteer_agreement(votes: Iterable["Ballot"]) -> tuple[VolunteerAgreement, ...]:
+def volunteer_agreement(votes: Iterable[Ballot]) -> tuple[VolunteerAgreement, ...]:
     """Each volunteer beside the others, in the order of their codes."""
     given, compared, with_majority, pairs, equal = (Counter[str]() for _ in range(5))
     for answers in decisive(votes).values():

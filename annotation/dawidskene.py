@@ -6,12 +6,11 @@ turns: what the matches are by what volunteers are worth, and the other way roun
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from .precision import Ballot
+from .ballots import Ballot
 
 LEAST_VOLUNTEERS = 3  # of two, nothing can say which of them errs
 ROUNDS = 500
@@ -34,7 +33,7 @@ class DawidSkene(NamedTuple):
     trace: tuple[float, ...]
 
 
-def dawid_skene(votes: Sequence["Ballot"], *, prior: float = PRIOR) -> DawidSkene | None:
+def dawid_skene(votes: Sequence[Ballot], *, prior: float = PRIOR) -> DawidSkene | None:
     """Fit the model from the shares of votes on; None with fewer than three volunteers, of whom it can tell nothing."""
     told = [vote for vote in votes if vote.answer != "unsure"]
     items, volunteers = sorted({v.item for v in told}), sorted({v.volunteer for v in told})

@@ -14,7 +14,19 @@ from .dawidskene import DawidSkene, dawid_skene
 from .flags import evenness
 from .handle import StudyHandle
 from .majority import Majority
-from .precision import Ballot, Cast, PrecisionRow, Proposed, Weights, ballots, counted, proposed, sample, tabulate
+from .precision import (
+    Ballot,
+    Cast,
+    PrecisionRow,
+    Proposed,
+    Weights,
+    ballots,
+    counted,
+    proposed,
+    proposed_later,
+    sample,
+    tabulate,
+)
 from .thesistables import set_precisions
 
 Preset = Literal["modern", "thesis"]
@@ -68,6 +80,7 @@ class Votes(NamedTuple):
     overlapped: frozenset[str]
     comments: Mapping[str, tuple[str, ...]]
     kinds: Mapping[str, str]
+    later: frozenset[str] = frozenset()
 
 
 def findings(handle: StudyHandle, *, preset: Preset = "modern", chosen: Collection[str] = ()) -> Findings:
@@ -88,7 +101,7 @@ def read_votes(handle: StudyHandle) -> Votes:
     for row in said:
         comments[row.item_id] = (*comments.get(row.item_id, ()), row.comment)
     return Votes(study.name, bool(study.votes and study.adaptive), proposed(handle), ballots(handle), sample(handle),
-                 overlapped_items(handle), comments, kinds)  # fmt: skip
+                 overlapped_items(handle), comments, kinds, proposed_later(handle))  # fmt: skip
 
 
 def worked_out(votes: Votes, *, preset: Preset = "modern", chosen: Collection[str] = ()) -> Findings:
@@ -97,7 +110,7 @@ def worked_out(votes: Votes, *, preset: Preset = "modern", chosen: Collection[st
     sets = items_of_sets(results)
     items = frozenset[str]().union(*sets.values())
     mine = [vote for vote in votes.ballots if vote.item in items]
-    rows, model = tabulate(results, cast, votes.weights, chosen), dawid_skene(mine)
+    rows, model = tabulate(results, cast, votes.weights, chosen, later=votes.later), dawid_skene(mine)
     fixed = tuple(r for r in rows if not r.chosen)
     return Findings(
         votes.study, preset, fixed, tuple(r for r in rows if r.chosen),

@@ -30,17 +30,28 @@ class Drawn(NamedTuple):
     missing: tuple[str, ...]
 
 
-def written(lead: str, tables: Sequence[Table], style: Literal["text", "markdown", "latex"]) -> str:
-    """Tables with their remarks, below a first line; in LaTeX those too wide for a page are split."""
+def written(lead: str, tables: Sequence[Table], style: Literal["text", "markdown", "latex"], width: int = 0) -> str:
+    """Tables with their remarks, below a first line; those wider than `width` characters are split (0: none), in LaTeX
+    those too wide for a page. What cannot be printed, such as commands to a terminal, is shown as a blank."""
+    lead, tables = _printable(lead), [_cleaned(table) for table in tables]
     if style == "latex":
         return to_latex([part for table in tables for part in split_wide(table, _PAPER)], lead)
     if style == "markdown":
         return to_markdown(tables, lead)
-    parts = [lead]
-    for table in tables:
+    parts, shown = [lead], [part for table in tables for part in split_wide(table, width)] if width else tables
+    for table in shown:
         parts.append("\n".join([table.title, "", *aligned([table.head, *table.rows], table.words)]))
-        parts += [textwrap.fill(table.remark, _WIDTH)] if table.remark else []
+        parts += [textwrap.fill(table.remark, min(width or _WIDTH, _WIDTH))] if table.remark else []
     return "\n\n".join(parts) + "\n"
+
+
+def _cleaned(table: Table) -> Table:
+    head, rows = tuple(map(_printable, table.head)), [tuple(map(_printable, row)) for row in table.rows]
+    return table._replace(head=head, rows=rows, remark=_printable(table.remark))
+
+
+def _printable(text: str) -> str:
+    return text if text.isprintable() else "".join(c if c.isprintable() else " " for c in text)
 
 
 def as_csv(values: Values) -> str:

@@ -1,11 +1,13 @@
 """What a study's votes say as tables for people, one or two a section, and as values for programs."""
 
+import textwrap
 from collections.abc import Callable, Sequence
 from typing import Literal
 
 from engine.evaluation.tables import NOTHING, Table
 from engine.evaluation.thesis_tables import set_table
 
+from .agreement import OVERLAPPED
 from .comparing import Compared
 from .findings import Findings
 from .tabletext import PRECISION_HEAD, method_name, number, plain_table, precision_values, row_name, shown_range
@@ -21,7 +23,9 @@ RECALL = ("Of the distinct correct matches that any method of the study found, t
 AGREEMENT = ("Pairs of answers to the same match; abstentions are left out. Alpha is Krippendorff's for nominal answers; it is not "
              "defined where all answers are equal.")  # fmt: skip
 ADAPTIVE = (" Where two volunteers differ a third is asked, so disputed matches have more answers than others: that shifts alpha "
-            "over all matches, and the overlapped ones, which get all votes, are the figure to quote.")  # fmt: skip
+            "over all matches")  # fmt: skip
+QUOTE = (", and the overlapped ones, which get all votes, are the figure to quote.",
+         "; no match was marked to get all votes even so, which would tell.")  # fmt: skip
 VOLUNTEERS = ("With the majority of the others: matches on which the others are tied are left out. Pairwise: each own vote beside each "
               "of another on the same match.")  # fmt: skip
 SKILL = (" Sensitivity and specificity are shares of correct matches called correct and of wrong ones called wrong, by the model of "
@@ -35,6 +39,7 @@ SENSITIVITY = "The range of precision when each volunteer in turn is left out, a
 MODEL = (" The model of Dawid and Skene weighs volunteers by their reliability; its figure is the mean probability of being correct of "
          "all matches with a vote for or against, ties too.")  # fmt: skip
 DISPUTED = "Votes for and against, the most evenly divided matches first."
+_COMMENT = 60  # characters of the comments on a match; the report's pictures and CSV have all
 THESIS = "Precision as in Tables 3.1 and 3.2 of the thesis"
 
 
@@ -70,7 +75,8 @@ def _agreement(found: Findings) -> list[Table]:
     rows = [(row.of, str(row.items), str(row.votes), number(row.raw), NOTHING if row.raw is None else _alpha(row.alpha))
             for row in found.agreement]  # fmt: skip
     head = ("of", "matches with two votes", "votes", "raw %", "alpha")
-    return [Table("Agreement", head, rows, 1, AGREEMENT + (ADAPTIVE if found.adaptive else ""))]
+    told = ADAPTIVE + QUOTE[0 if found.agreement[0].of == OVERLAPPED else 1] if found.adaptive else ""
+    return [Table("Agreement", head, rows, 1, AGREEMENT + told)]
 
 
 def _volunteers(found: Findings) -> list[Table]:
@@ -110,11 +116,16 @@ def _sensitivity(found: Findings) -> list[Table]:
 
 def _disputed(found: Findings) -> list[Table]:
     rows = [
-        (d.item[:12], d.pair, ", ".join(d.sets), " | ".join(d.comments), str(d.majority.correct), str(d.majority.wrong),
+        (d.item[:12], d.pair, ", ".join(d.sets), _shortened(" | ".join(d.comments)), str(d.majority.correct), str(d.majority.wrong),
          str(d.majority.unsure))
         for d in found.disputed
     ]  # fmt: skip
     return [Table("The most disputed matches", ("match", "pair", "set", "comments", "correct", "wrong", "unsure"), rows, 4, DISPUTED)]
+
+
+def _shortened(text: str) -> str:
+    """A person's words in one short line."""
+    return textwrap.shorten(text, _COMMENT, placeholder=" …") if text else ""
 
 
 def _skill(found: Findings) -> dict[str, tuple[float, float]]:

@@ -9,9 +9,9 @@ from sqlalchemy import func, select
 
 from . import schema
 from .agreement import VolunteerAgreement, volunteer_agreement
+from .ballots import Ballot
 from .flags import GoldRecord, gold_failures
 from .handle import StudyHandle
-from .precision import Ballot
 
 LONGEST_MS = 60_000  # a pause is cut there
 FAST = 3.0  # so many times faster than the median of the others is told

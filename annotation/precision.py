@@ -7,16 +7,12 @@ Where items were drawn into a sample, each counts as many as it stands for, 1 / 
 the puzzle. Practice votes are of round 0 and never count.
 """
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import PurePath
 from typing import NamedTuple
-
-from sqlalchemy import func, select
 
 from engine.evaluation.intervals import Interval, clustered_interval, weighted_interval
 
-from . import schema
+from .ballots import Ballot, Proposed, Weights, ballots, proposed, proposed_later, sample
 from .handle import StudyHandle
 from .majority import ANSWERS, Majority, majority_of, verdict
 
@@ -32,10 +28,11 @@ class PrecisionRow(NamedTuple):
     matches as wrong, as right. `unsure` is the share of abstentions among the votes. `seen` counts the matches that have
     a vote at all, `unresolved` is the share of these without a majority.
 
-    Where the study is a sample (`sampled`), shares are weighted and the bounds speak of the `drawn` matches; else all are
-    drawn. `recall` is the pooled one: correct matches of this method among the distinct correct ones of all methods, on
-    the `recall_pairs` pairs on which several methods ran and every proposal of each has been seen. `chosen` says that
-    votes or a truth had a part in the parameters (or that people guided the run).
+    Where the study is a sample (`sampled`), shares are weighted and the bounds speak of what the `drawn` matches stand for
+    and of the `later` ones, which were proposed after the draw and have had no chance; else all are drawn. `recall` is the
+    pooled one: correct matches of this method among the distinct correct ones of all methods, on the `recall_pairs` pairs
+    on which several methods ran and every proposal of each has been seen. `chosen` says that votes or a truth had a part
+    in the parameters (or that people guided the run).
     """
 
     method: str
@@ -64,26 +61,7 @@ class PrecisionRow(NamedTuple):
     recall: float | None = None
     recall_pairs: int = 0
     chosen: bool = False
-
-
-class Proposed(NamedTuple):
-    """The items that the newest run of a method, preset and set proposed for one pair; `name` is for people."""
-
-    method: str
-    preset: str
-    set_name: str
-    pair: str
-    parameters: str
-    items: tuple[str, ...]
-    name: str = ""
-
-
-class Ballot(NamedTuple):
-    """One vote that counts."""
-
-    item: str
-    volunteer: str
-    answer: str
+    later: int = 0
 
 
 class Cast(NamedTuple):
@@ -93,53 +71,9 @@ class Cast(NamedTuple):
     voters: frozenset[str]
 
 
-Weights = Mapping[str, float]
-"""What each drawn item stands for, 1 / p; items that are not in it were not drawn."""
-
-
 def precision_table(handle: StudyHandle, *, round: int = 1) -> tuple[PrecisionRow, ...]:
     """The rows of a study by method, preset and set, and a row over all sets where a method has several."""
-    return tabulate(proposed(handle), ballots(handle, round=round), sample(handle))
-
-
-def proposed(handle: StudyHandle) -> tuple[Proposed, ...]:
-    """What each method proposed for each pair, by its newest run there (a re-run replaces, it does not count twice).
-
-    Practice items count in no table.
-    """
-    run, match, asked = schema.run.c, schema.run_match.c, schema.asked.c
-    counted = match.item_id.not_in(select(asked.item_id).where(asked.role == "practice"))
-    group = (run.method, run.preset, run.set_name, run.pair)
-    newest = func.row_number().over(partition_by=group, order_by=(run.added_at.desc(), run.id.desc())).label("age")
-    with handle.reading() as connection:
-        runs = connection.execute(
-            select(run.id, *group, run.parameters, run.source, run.target, newest).order_by(*group)
-        ).all()
-        items: dict[str, list[str]] = {}
-        for row in connection.execute(select(match.run_id, match.item_id).where(counted).order_by(match.run_id, match.rank)):
-            items.setdefault(row.run_id, []).append(row.item_id)
-    return tuple(
-        Proposed(row.method, row.preset, row.set_name, row.pair, row.parameters, tuple(items.get(row.id, ())),
-                 _pair_name(row.source, row.target))
-        for row in runs
-        if row.age == 1
-    )  # fmt: skip
-
-
-def ballots(handle: StudyHandle, *, round: int = 1) -> tuple[Ballot, ...]:
-    """The votes that count."""
-    vote = schema.current_vote.c
-    with handle.reading() as connection:
-        rows = connection.execute(select(vote.item_id, vote.volunteer, vote.answer).where(vote.round == round))
-        return tuple(Ballot(*row) for row in rows)
-
-
-def sample(handle: StudyHandle) -> dict[str, float] | None:
-    """What each drawn item stands for; None where nothing was left out, so that every match counts alike."""
-    asked = schema.asked.c
-    with handle.reading() as connection:
-        rows = connection.execute(select(asked.item_id, asked.probability).where(asked.probability.is_not(None))).all()
-    return {row.item_id: 1 / row.probability for row in rows} if any(row.probability < 1 for row in rows) else None
+    return tabulate(proposed(handle), ballots(handle, round=round), sample(handle), later=proposed_later(handle))
 
 
 def counted(votes: Iterable[Ballot]) -> dict[str, Cast]:
@@ -168,8 +102,11 @@ def tabulate(
     votes: Sequence[Ballot] | Mapping[str, Cast],
     weights: Weights | None = None,
     chosen: Iterable[str] = (),
+    *,
+    later: frozenset[str] = frozenset(),
 ) -> tuple[PrecisionRow, ...]:
-    """The rows of results under votes; pure. Methods or presets named in `chosen` have chosen parameters."""
+    """The rows of results under votes; pure. Methods or presets named in `chosen` have chosen parameters, and `later`
+    items had no chance to be drawn into the sample."""
     results, named = tuple(results), frozenset(chosen)
     cast = votes if isinstance(votes, Mapping) else counted(votes)
     pool = judged_pool(results, cast)
@@ -179,7 +116,7 @@ def tabulate(
         groups = sorted(sets.items())
         if len(sets) > 1:
             groups.append((ALL_SETS, [result for found in sets.values() for result in found]))
-        rows += [_row(method, preset, name, found, cast, weights, pool)._replace(chosen=told) for name, found in groups]
+        rows += [_row(method, preset, name, found, cast, weights, pool, later)._replace(chosen=told) for name, found in groups]
     return tuple(rows)
 
 
@@ -215,7 +152,7 @@ def judged_pool(results: Iterable[Proposed], cast: Mapping[str, Cast]) -> dict[s
 
 def _row(
     method: str, preset: str, set_name: str, results: Sequence[Proposed], cast: Mapping[str, Cast],
-    weights: Weights | None, pool: Mapping[str, set[str]],
+    weights: Weights | None, pool: Mapping[str, set[str]], later: frozenset[str],
 ) -> PrecisionRow:  # fmt: skip
     pairs = items_by_pair(results)
     items = _union(pairs.values())
@@ -230,7 +167,8 @@ def _row(
     known = [s.correct / s.decided for s in shares if s.decided]
     abstained, votes = sum(one.majority.unsure for one in seen), sum(len(one.voters) for one in seen)
     (pooled,) = by_pair([items], cast, weights)  # a match that is in several pairs counts once
-    right, every, weight = pooled.correct, pooled.decided, sum(_weights(drawn, weights))
+    added = len(items & later) if weights is not None else 0
+    right, every, weight = pooled.correct, pooled.decided, sum(_weights(drawn, weights)) + added
     wrong = every - right
     found = [pair for pair in pairs if pair in pool]
     return PrecisionRow(
@@ -242,7 +180,7 @@ def _row(
         unsure=_share(abstained, votes), seen=len(seen), unresolved=_share(len(seen) - decided, len(seen)),
         drawn=len(drawn), sampled=weights is not None,
         recall=_share(len(_union(pool[pair] & pairs[pair] for pair in found)), len(_union(pool[pair] for pair in found))),
-        recall_pairs=len(found),
+        recall_pairs=len(found), later=added,
     )  # fmt: skip
 
 
@@ -293,9 +231,3 @@ def _union(sets: Iterable[set[str]]) -> set[str]:
 
 def _share(part: float, whole: float) -> float | None:
     return part / whole if whole else None
-
-
-def _pair_name(source: str, target: str) -> str:
-    """The files of the two inputs, or of the one puzzle, without their folders."""
-    files = (json.loads(side).get("file", "") for side in (source, target))
-    return " – ".join(PurePath(file).name for file in files if file)

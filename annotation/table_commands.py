@@ -1,5 +1,6 @@
 """`concord study table`, `overview` and `datasheet`: what a study's votes say, for people and for papers."""
 
+import shutil
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -77,7 +78,10 @@ def mount(app: App, draw: "PartsDrawer | None" = None) -> None:
                 shown += _beside(worked_out(others.others, preset=preset, chosen=named))
                 pairs = "1 pair" if held_out == 1 else f"{held_out} pairs"
                 lead += f"; {pairs} held out by seed {split_seed}: {', '.join(others.names)}"
-            give(_page(handle, found, lead, shown, draw, pictures) if format == "html" else written(lead, shown, format), out)
+            if format == "html":
+                give(_page(handle, found, lead, shown, draw, pictures), out)
+            else:
+                give(written(lead, shown, format, screen_width(out)), out)
 
     for command in (table, overview, datasheet):
         if command.__name__ in app:
@@ -104,7 +108,7 @@ def overview(file: str, /, *, format: Literal["text", "csv", "markdown"] = "text
         give(csv_text(VALUES_HEAD, map(overview_values, rows)), out)
     else:
         people = "1 volunteer" if len(rows) == 1 else f"{len(rows)} volunteers"
-        give(written(f"Study {study.name}: {people}", [overview_table(rows)], format), out)
+        give(written(f"Study {study.name}: {people}", [overview_table(rows)], format, screen_width(out)), out)
 
 
 def datasheet(file: str, /, *, out: Path) -> None:
@@ -158,6 +162,11 @@ def _page(
 
     drawn = draw_disputed(handle, found.disputed[:pictures], draw or no_drawing) if pictures else Drawn([], ())
     return as_html(found, lead, shown, drawn)
+
+
+def screen_width(out: Path | None) -> int:
+    """The columns of the terminal that is written to; 0 for a file or another program, which take any width."""
+    return 0 if out is not None or not sys.stdout.isatty() else shutil.get_terminal_size().columns
 
 
 def give(text: str, out: Path | None) -> None:

@@ -21,7 +21,7 @@ PRECISION_HEAD = (
     "method", "preset", "set", "parameter_sets", "pairs", "matches", "judged", "correct", "wrong", "tie", "unjudged",
     "micro_precision", "macro_precision", "interval_low", "interval_high", "interval_method", "bound_low",
     "bound_high", "volunteers", "votes", "unsure_share", "seen", "unresolved_share", "drawn", "sampled",
-    "pooled_recall", "recall_pairs", "chosen_parameters",
+    "pooled_recall", "recall_pairs", "chosen_parameters", "proposed_after_draw",
 )  # fmt: skip
 
 
@@ -87,7 +87,7 @@ def precision_values(row: PrecisionRow) -> tuple[object, ...]:
         row.method, row.preset, row.set_name, row.parameter_sets, row.pairs, row.matches, row.judged, row.correct,
         row.wrong, row.tie, row.unjudged, row.micro, row.macro, low, high, method, row.bound_low, row.bound_high,
         row.volunteers, row.votes, row.unsure, row.seen, row.unresolved, row.drawn, int(row.sampled), row.recall,
-        row.recall_pairs, int(row.chosen),
+        row.recall_pairs, int(row.chosen), row.later,
     )  # fmt: skip
 
 
@@ -107,6 +107,11 @@ def notes(rows: Sequence[PrecisionRow]) -> list[str]:
             "The study asks about a sample: every drawn match counts for 1 / p, p being the chance that it was drawn, and the "
             "bounds take the undecided drawn ones as all wrong and all right."
         )
+        if any(row.later for row in rows):
+            told.append(
+                f"Of matches proposed after the sample was drawn ({max(row.later for row in rows)} at most in a row) the figures "
+                "know nothing but that the bounds allow for them; ask them too with `concord study top-up`."
+            )
     elif any(row.seen < row.matches for row in rows):
         told.append("Matches that nobody has seen are unknown, not wrong; the bounds take them as all wrong and all right.")
     return told

@@ -8,7 +8,7 @@ from engine.errors import BadInput
 from engine.evaluation.tables import Table
 from engine.evaluation.thesis_tables import SetPrecision
 
-from .precision import ALL_SETS, PrecisionRow, Proposed, ballots, proposed, sample, tabulate
+from .precision import ALL_SETS, PrecisionRow, Proposed, ballots, proposed, proposed_later, sample, tabulate
 from .study import open_study
 from .tabletext import as_table, row_name
 
@@ -24,9 +24,9 @@ def voted_precision(path: Path) -> tuple[list[SetPrecision], Table] | None:
     if not file.is_file():
         return None
     with open_study(file, backup=False, writable=False) as handle:
-        results, votes, weights = proposed(handle), ballots(handle), sample(handle)
+        results, votes, weights, later = proposed(handle), ballots(handle), sample(handle), proposed_later(handle)
     layers = _layers(results)
-    rows = [row for row in tabulate(results, votes, weights) if row.set_name == ALL_SETS or layers.get(row[:3])]
+    rows = [row for row in tabulate(results, votes, weights, later=later) if row.set_name == ALL_SETS or layers.get(row[:3])]
     if not rows:
         raise BadInput(f"The study {file} holds no results of shapes; add some with `concord study add`.")
     return set_precisions(results, rows), as_table(rows, votes)

@@ -198,3 +198,27 @@ def test_wide_tables_are_split_with_their_words_repeated():
     first, second = split_wide(table, 32)
     assert first == Table("Wide (1 of 2)", ("method", "one", "two"), [("m", "1" * 10, "2" * 10)], 1, "")
     assert (second.head, second.remark) == (("method", "three"), "remark")
+
+
+def test_comments_are_one_short_line_and_commands_to_a_terminal_are_blanks():
+    said = ("two\nlines\x1b[2J", "word " * 40)
+    found = worked_out(read([ran("m", "p", "a")], cast(a="cw"), comments={"a": said}))
+    text = written("Lamps\x1b[31m", tables(found, "disputed"), "text")
+    assert "\x1b" not in text
+    assert "two lines [2J | word word" in text
+    assert max(map(len, text.splitlines())) < 140
+    assert "word " * 39 in as_csv(values(found, "disputed"))
+
+
+def test_a_narrow_terminal_gets_narrow_tables():
+    listed = tables(worked_out(read(RESULTS, VOTES)), "precision")
+    wide, narrow = (written("Lamps", listed, "text", width) for width in (0, 80))
+    assert max(map(len, narrow.splitlines())) <= 80 < max(map(len, wide.splitlines()))
+    assert "(1 of 3)" in narrow
+
+
+def test_an_adaptive_study_says_whether_some_matches_got_all_votes():
+    told = [tables(worked_out(read(RESULTS, VOTES, adaptive=True, overlapped=frozenset(twice))), "agreement")[0].remark
+            for twice in ("ab", "")]  # fmt: skip
+    assert "figure to quote" in told[0]
+    assert "no match was marked" in told[1]

@@ -4,6 +4,7 @@ import csv
 import io
 
 import pytest
+from design_world import run_of
 from findings_world import cast, ran
 from judging_world import CANDLE, LAMP, ONE_TO_ONE, VASE, identity, result, study_of
 from sqlalchemy import insert
@@ -11,7 +12,8 @@ from sqlalchemy import insert
 from annotation import schema, study
 from annotation.comparing import leave_one_out
 from annotation.matchesfile import run_of_json
-from annotation.precision import ALL_SETS, ballots, counted, precision_table, sample, tabulate, without
+from annotation.precision import ALL_SETS, ballots, counted, precision_table, proposed_later, sample, tabulate, without
+from annotation.stamps import now
 from annotation.tabletext import agreement_line, notes, render
 from engine.errors import BadParameter
 from engine.evaluation.averages import thesis_average
@@ -229,3 +231,23 @@ def test_a_match_that_two_pairs_share_counts_once():
     assert (row.micro, row.bound_low, row.bound_high) == pytest.approx((2 / 3,) * 3)
     assert row.macro == pytest.approx((1 / 2 + 1) / 2)
     assert leave_one_out(results, [*votes, *cast(a=".c")])[0].micro == pytest.approx(2 / 3)
+
+
+def test_matches_proposed_after_the_draw_had_no_chance(tmp_path):
+    """Of a, b, c two were drawn, each standing for 1.5; d and e came later. The new method's one drawn match is right and
+    stands for 1.5; of 3.5 that is the lower bound."""
+    design = {"role": "judged", "answer": None, "reason": "", "stratum": "", "overlapped": 0, "probability": 2 / 3}
+    with study.create_study(tmp_path / "a.db", name="Late") as handle:
+        study.add_run(handle, run_of("lamps", "p", ["a", "b", "c"]))
+        with handle.writing() as connection:
+            for item in "ab":
+                connection.execute(insert(schema.asked).values(**design, item_id=item, added_at=now()))
+        assert proposed_later(handle) == frozenset()
+        study.add_run(handle, run_of("lamps", "p", ["a", "d", "e"], "new"))
+        study.record_votes(handle, "anna", {"a": "correct", "b": "wrong"})
+        assert proposed_later(handle) == {"d", "e"}
+        old, new = precision_table(handle)
+    assert (old.later, old.micro, old.bound_low, old.bound_high) == (0, *map(pytest.approx, (0.5, 0.5, 0.5)))
+    assert (new.later, new.micro, new.bound_low, new.bound_high) == (2, *map(pytest.approx, (1.0, 1.5 / 3.5, 1.0)))
+    assert "top-up" in " ".join(notes([old, new]))
+    assert "top-up" not in " ".join(notes([old]))

@@ -28,6 +28,7 @@ QUOTE = (", and the overlapped ones, which get all votes, are the figure to quot
          "; no match was marked to get all votes even so, which would tell.")  # fmt: skip
 VOLUNTEERS = ("With the majority of the others: matches on which the others are tied are left out. Pairwise: each own vote beside each "
               "of another on the same match.")  # fmt: skip
+THIRD = " One who is asked where two others differ agrees less with the others, through no fault."
 SKILL = (" Sensitivity and specificity are shares of correct matches called correct and of wrong ones called wrong, by the model of "
          "Dawid and Skene (1979) from the votes alone.")  # fmt: skip
 COMPARED = ("Difference of precision in points, second less first, on pairs where both have one; p of the permutation of methods "
@@ -87,7 +88,7 @@ def _volunteers(found: Findings) -> list[Table]:
          *(map(number, skill.get(row.volunteer, (None, None))) if skill else ()))
         for row in found.volunteers
     ]  # fmt: skip
-    return [Table("Volunteers", head, rows, 1, VOLUNTEERS + (SKILL if skill else ""))]
+    return [Table("Volunteers", head, rows, 1, VOLUNTEERS + (THIRD if found.adaptive else "") + (SKILL if skill else ""))]
 
 
 def _compared(found: Findings) -> list[Table]:

@@ -6,6 +6,7 @@ writes), every commit reaches the disk before it returns, and readers never wait
 
 import contextlib
 import json
+import os
 import random
 import sqlite3
 import tempfile
@@ -13,6 +14,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Self
+from urllib.parse import quote_from_bytes
 
 from sqlalchemy import Connection, Engine, QueuePool, create_engine, event, select
 from sqlalchemy.exc import DatabaseError, IntegrityError, OperationalError, ProgrammingError
@@ -159,7 +161,7 @@ def open_file(
         with _raw(path, busy_seconds) as raw:
             version = check_inside(path, raw)
             if version < schema.SCHEMA_VERSION:
-                back_up(raw, path, f"version-{version}")
+                _back_up_first(raw, path, version)
             elif backup:
                 keep_backup(raw, path)
             raw.execute("PRAGMA journal_mode=WAL")  # a backup put in place of the study is not in this mode
@@ -168,10 +170,15 @@ def open_file(
     except (sqlite3.DatabaseError, DatabaseError) as error:
         raise BadInput(explained(path, error, busy_seconds)) from error
     except OSError as error:
-        raise BadInput(
-            f"{path} is of an older version and cannot be backed up ({error.strerror}); make room."
-        ) from None
+        raise BadInput(f"{path} cannot be opened ({error.strerror}); make room for a copy, or check its disk.") from None
     return StudyFile(path, busy_seconds)
+
+
+def _back_up_first(raw: sqlite3.Connection, path: Path, version: int) -> None:
+    try:
+        back_up(raw, path, f"version-{version}")
+    except OSError as error:
+        raise BadInput(f"{path} is of an older version and cannot be backed up ({error.strerror}); make room.") from None
 
 
 def _open_for_reading(path: Path, busy_seconds: float) -> StudyFile:
@@ -186,19 +193,25 @@ def _open_for_reading(path: Path, busy_seconds: float) -> StudyFile:
     options = "mode=rw" if may_write(path) else "immutable=1" if sealed(path) and not logged else "mode=ro"
     try:
         with _raw(path, busy_seconds, options) as raw:
-            version = check_inside(path, raw)
-        if version == schema.SCHEMA_VERSION:
-            return StudyFile(path, busy_seconds, writable=False, options=options)
+            if check_inside(path, raw) < schema.SCHEMA_VERSION:
+                return _open_copy(path, busy_seconds, raw)
+        return StudyFile(path, busy_seconds, writable=False, options=options)
     except sqlite3.OperationalError as error:
         if not any(words in str(error) for words in ("unable to open", "readonly", "disk I/O", "full")):
             raise
     return _open_copy(path, busy_seconds)
 
 
-def _open_copy(path: Path, busy_seconds: float) -> StudyFile:
+def _open_copy(path: Path, busy_seconds: float, opened: sqlite3.Connection | None = None) -> StudyFile:
+    """Read a copy, made by SQLite where it could open the file, or else of the file and its log as they lie there."""
     folder = tempfile.TemporaryDirectory(prefix="concord-")
     try:
-        copy = places.copied(path, Path(folder.name))
+        copy = Path(folder.name) / path.name
+        if opened is None:
+            places.copy_with_log(path, copy)
+        else:
+            with _raw(copy, busy_seconds, "mode=rwc") as raw:
+                opened.backup(raw)
         with _raw(copy, busy_seconds) as raw:
             check_inside(path, raw)
         _migrate(copy, busy_seconds)
@@ -223,14 +236,20 @@ def _migrate(path: Path, busy_seconds: float) -> None:
 
 @contextlib.contextmanager
 def _raw(path: Path, busy_seconds: float, options: str = "mode=rw") -> Iterator[sqlite3.Connection]:
-    uri = f"{path.as_uri()}?{options}"
+    uri = _uri(path, options)
     with contextlib.closing(sqlite3.connect(uri, uri=True, timeout=busy_seconds, isolation_level=None)) as raw:
         yield raw
 
 
+def _uri(path: Path, options: str) -> str:
+    """How SQLite names a file with options (`Path.as_uri` names those on shares of Windows in another way)."""
+    quoted = quote_from_bytes(os.fsencode(path.as_posix()))
+    return f"file://{quoted if quoted.startswith('/') else '/' + quoted}?{options}"
+
+
 def connectable(path: Path, busy_seconds: float, options: str = "mode=rw") -> Engine:
     """An SQLAlchemy engine whose connections are set up for safety and whose transactions lock at BEGIN."""
-    uri = f"{path.as_uri()}?{options}"
+    uri = _uri(path, options)
 
     def connect() -> sqlite3.Connection:
         raw = sqlite3.connect(uri, uri=True, timeout=busy_seconds, isolation_level=None, check_same_thread=False)

@@ -21,6 +21,8 @@ FILE_IN_FOLDER = "study.db"
 def study_file(path: Path | str) -> Path:
     """The file of a study that is given by it or by its folder; it need not exist."""
     found = Path(path).absolute()
+    if found.is_file():
+        return found
     return found / FILE_IN_FOLDER if found.suffix == FOLDER_SUFFIX or (found / FILE_IN_FOLDER).is_file() else found
 
 
@@ -75,12 +77,11 @@ def keep_result(handle: StudyHandle, path: Path | str) -> Path | None:
     return kept
 
 
-def copied(path: Path, folder: Path) -> Path:
-    """A copy of a study file and of the log beside it."""
+def copy_with_log(path: Path, copy: Path) -> None:
+    """Copy a study file and the log that lies beside it."""
     for part in ("", "-wal"):
         if os.path.exists(f"{path}{part}"):
-            shutil.copyfile(f"{path}{part}", folder / f"{path.name}{part}")
-    return folder / path.name
+            shutil.copyfile(f"{path}{part}", f"{copy}{part}")
 
 
 def sync_folder(folder: Path) -> None:

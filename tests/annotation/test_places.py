@@ -46,6 +46,26 @@ def test_a_folder_that_was_renamed_is_still_a_study(tmp_path):
         assert study.about(handle).name == "Lamps"
 
 
+def test_a_file_that_is_named_like_a_folder(tmp_path):
+    study_of(tmp_path / "lamps.db").close()
+    os.rename(tmp_path / "lamps.db", tmp_path / "lamps.concord")
+    with study.open_study(tmp_path / "lamps.concord") as handle:
+        assert study.about(handle).name == "Lamps"
+
+
+@pytest.mark.parametrize("name", ["what? 100 % #1 & co.db", "Lämpchen ☀.db", os.fsdecode(b"caf\xe9.db")])
+def test_any_name_of_a_file_will_do(tmp_path, name):
+    try:
+        study_of(tmp_path / name).close()
+    except OSError:
+        pytest.skip("no such names here")
+    with study.open_study(tmp_path / name) as handle:
+        study.record_vote(handle, FOOT, "anna", "correct")
+    with study.open_study(tmp_path / name, writable=False) as handle:
+        assert study.answers(handle, "anna") == {FOOT: "correct"}
+    assert {found.name for found in tmp_path.iterdir()} == {name, "backups"}
+
+
 def test_a_project_folder_is_made_whole_or_not_at_all(tmp_path):
     with pytest.raises(ZeroDivisionError):
         database.create_file(tmp_path / "a.concord", lambda connection: 1 // 0)

@@ -16,8 +16,8 @@ WIDE = [tuple(k for k in range(3) if bits >> k & 1) for bits in range(1, 7)]
 
 
 @pytest.fixture
-def handle(tmp_path):
-    with study_of(tmp_path / "a.db", result(*zip(WIDE, WIDE, strict=True), target=CANDLE), result(*ONE_TO_ONE)) as opened:
+def handle(place):
+    with study_of(place, result(*zip(WIDE, WIDE, strict=True), target=CANDLE), result(*ONE_TO_ONE)) as opened:
         yield opened
 
 

@@ -30,10 +30,10 @@ def vote(handle, volunteer, **items):
 
 
 @pytest.fixture
-def judged(tmp_path):
+def judged(place):
     """Two pairs: lamp-vase has a right, a tied and a wrong match, lamp-candle a right one and one unjudged."""
     candle = result(((0,), (0,)), ((1,), (1,)), target=CANDLE)
-    with study_of(tmp_path / "a.db", result(*ONE_TO_ONE), candle, set_name="lamps") as handle:
+    with study_of(place, result(*ONE_TO_ONE), candle, set_name="lamps") as handle:
         vote(handle, "anna", foot="c", stem="c", shade="w")
         vote(handle, "bert", foot="c", stem="w", shade="u")
         study.record_vote(handle, identity(LAMP, (0,), CANDLE, (0,)), "anna", "correct")

@@ -85,7 +85,6 @@ def open_to(world: World, code: str) -> set[tuple[str, int]]:
 
 
 def written(world: World, connection) -> None:
-    schema.create_schema(connection)
     connection.execute(insert(schema.study).values(
         id="s", name="", question="", guideline="", seed="", settings="{}", app_version="", created_at="",
         votes=world.k, adaptive=int(world.adaptive)))  # fmt: skip
@@ -103,21 +102,45 @@ def written(world: World, connection) -> None:
         connection.execute(insert(schema.event).values(row))
 
 
+def checked(world: World, connection, seed: int) -> int:
+    """Hold the views of one world to the rules; how often something was asked of somebody."""
+    view, asked_of_somebody = schema.open_item.c, 0
+    counted = set(connection.scalars(select(schema.current_vote.c.uuid)))
+    assert counted == {row["uuid"] for row in current(world).values()}, seed
+    for code in CODES:
+        rows = connection.execute(select(view.item_id, view.round).where(view.volunteer == code)).all()
+        assert len(rows) == len(set(rows))
+        assert set(map(tuple, rows)) == open_to(world, code), (seed, code)
+        asked_of_somebody += len(rows)
+    for item in ITEMS:  # one at a time as all together
+        rows = connection.execute(select(view.volunteer, view.round).where(view.item_id == item)).all()
+        assert set(map(tuple, rows)) == {(code, r) for code in CODES for one, r in open_to(world, code) if one == item}
+    return asked_of_somebody
+
+
 @pytest.mark.parametrize("block", range(6))
 def test_views_say_what_the_plain_rules_say(block):
     asked_of_somebody = 0
     for seed in range(40 * block, 40 * block + 40):
-        world, view = random_world(seed), schema.open_item.c
+        world = random_world(seed)
         with create_engine("sqlite://").begin() as connection:
+            schema.create_schema(connection)
             written(world, connection)
-            counted = set(connection.scalars(select(schema.current_vote.c.uuid)))
-            assert counted == {row["uuid"] for row in current(world).values()}, seed
-            for code in CODES:
-                rows = connection.execute(select(view.item_id, view.round).where(view.volunteer == code)).all()
-                assert len(rows) == len(set(rows))
-                assert set(map(tuple, rows)) == open_to(world, code), (seed, code)
-                asked_of_somebody += len(rows)
-            for item in ITEMS:  # one at a time as all together
-                rows = connection.execute(select(view.volunteer, view.round).where(view.item_id == item)).all()
-                assert set(map(tuple, rows)) == {(code, r) for code in CODES for one, r in open_to(world, code) if one == item}
+            asked_of_somebody += checked(world, connection, seed)
     assert asked_of_somebody > 100
+
+
+def test_views_say_the_same_on_a_server(database):
+    asked_of_somebody = 0
+    engine = create_engine(database.replace("postgresql:", "postgresql+psycopg:"))
+    with engine.begin() as connection:
+        connection.exec_driver_sql("SET jit = off")
+        schema.metadata.create_all(connection)
+        schema.create_views(connection)
+        for seed in range(25):
+            with connection.begin_nested() as one:
+                written(random_world(seed), connection)
+                asked_of_somebody += checked(random_world(seed), connection, seed)
+                one.rollback()
+    engine.dispose()
+    assert asked_of_somebody > 60

@@ -110,4 +110,4 @@ def _section(table: Table) -> str:
 
 def _wide(content: str) -> str:
     """What may be wider than the page scrolls by itself."""
-    return f'<div style="overflow-x:auto">{content}</div>'
+    return f'<div style="overflow-x:auto;white-space:nowrap;font-size:.87em">{content}</div>'

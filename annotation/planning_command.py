@@ -29,7 +29,7 @@ def plan(
     """
     told: dict[str, float] = {}
     if study is not None:
-        with open_study(study, backup=False) as handle:
+        with open_study(study, backup=False, writable=False) as handle:
             told = {name: value for name, value in estimated(handle).items() if name not in expected.model_fields_set}
             design = design.changed(**_asked(handle, design))
     assumed = expected.changed(**told)

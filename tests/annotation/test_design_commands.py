@@ -82,14 +82,15 @@ def test_known_answers_become_gold_and_practice(tmp_path, results, capsys):
     assert not (tmp_path / "b.study").exists()
 
 
-def test_gold_and_practice_are_named_later(tmp_path, results, capsys):
-    file = tmp_path / "a.study"
+def test_gold_and_practice_are_named_later(place, tmp_path, results, capsys):
+    file = place
     run(capsys, "create", file, results)
     first, second, *_ = ids(file)
     assert "1 gold match more, of 1 known answer." in run(capsys, "gold", file, table(tmp_path / "g.csv", [first]))
     run(capsys, "vote", file, "--volunteer", "me", "--item", first, "--answer", "wrong", "--comment", "Other foot.")
     assert "1 practice match more" in run(capsys, "practice", file, table(tmp_path / "g.csv", [second]), "--most", 1)
     assert "0 gold matches more" in run(capsys, "gold", file, "--from", f"{file}:me")
+    assert "of 1 known answer." in run(capsys, "gold", file, "--from", file)
     assert roles(file) == {"judged": 2, "gold": 1, "practice": 1}
     for command in ("gold", "practice"):
         assert "either a CSV table, or --from" in fails(capsys, command, file)
@@ -133,8 +134,8 @@ def test_results_are_kept_in_the_project_folder(tmp_path, results, capsys):
     assert len(list((tmp_path / "lamps.concord" / "results").iterdir())) == 2
 
 
-def test_adjudicators_are_made_and_ended(tmp_path, results, capsys):
-    file = tmp_path / "a.study"
+def test_adjudicators_are_made_and_ended(place, results, capsys):
+    file = place
     run(capsys, "create", file, results, "--votes", 2)
     for code, answer in (("anna", "correct"), ("bert", "wrong")):
         run(capsys, "vote", file, "--volunteer", code, "--item", ids(file)[0], "--answer", answer)

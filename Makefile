@@ -46,6 +46,7 @@ bench: setup
 	@$(BIN)/python tests/benchmarks/speed.py
 	@$(BIN)/python tests/benchmarks/presets.py --pairs 30 --seed-from 1000
 	@$(BIN)/python tests/benchmarks/puzzle_speed.py
+	@$(BIN)/python tests/benchmarks/voting_latency.py
 
 screenshots: setup system
 	@$(HEADLESS) $(BIN)/python -m gui.screenshots screenshots

@@ -90,7 +90,9 @@ def findings(handle: StudyHandle, *, preset: Preset = "modern", chosen: Collecti
 
 def read_votes(handle: StudyHandle) -> Votes:
     """All that the figures need of a study; nothing is written."""
-    with handle.reading() as connection:
+    results, cast, weights = proposed(handle), ballots(handle), sample(handle)
+    twice, later = overlapped_items(handle), proposed_later(handle)
+    with handle.reading() as connection:  # last, for it has to know every item of the results
         study = connection.execute(select(schema.study)).one()
         vote = schema.current_vote.c
         said = connection.execute(
@@ -100,8 +102,7 @@ def read_votes(handle: StudyHandle) -> Votes:
     comments: dict[str, tuple[str, ...]] = {}
     for row in said:
         comments[row.item_id] = (*comments.get(row.item_id, ()), row.comment)
-    return Votes(study.name, bool(study.votes and study.adaptive), proposed(handle), ballots(handle), sample(handle),
-                 overlapped_items(handle), comments, kinds, proposed_later(handle))  # fmt: skip
+    return Votes(study.name, bool(study.votes and study.adaptive), results, cast, weights, twice, comments, kinds, later)
 
 
 def worked_out(votes: Votes, *, preset: Preset = "modern", chosen: Collection[str] = ()) -> Findings:

@@ -20,7 +20,7 @@ from .voting import item
 Style = Literal["text", "csv", "markdown", "latex", "html"]
 _WIDTH = 110
 _PAPER = 112  # characters of small print across a page of A4 or letter with narrow margins
-_LEGEND = ("The dot is the precision, the line its 95 % interval, the band what the undecided matches could make of it.")  # fmt: skip
+_LEGEND = "The dot is the precision, the line its 95 % interval, the band what the undecided matches could make of it."
 
 
 class Drawn(NamedTuple):

@@ -9,8 +9,8 @@ from sqlalchemy import select
 from annotation import schema, study
 from annotation.design import Design, create_design, draw_design, judged_count, judged_counts
 from annotation.proposals import run_id
-from annotation.records import Item, Proposal
-from engine.errors import BadInput, BadParameter
+from annotation.records import Item, Proposal, Run
+from engine.errors import BadInput, BadParameter, Cancelled
 from engine.parameters import declared
 
 RUNS = runs_of({"a": 60, "b": 30, "c": 10})
@@ -110,16 +110,21 @@ def test_a_study_is_made_as_designed_and_says_nothing_of_gold(place):
     assert told == ["A sample of 50 of 100 matches is asked."]
 
 
-def test_a_study_is_made_whole_or_not_at_all(tmp_path):
-    wrong = run_of("lamps", "z", ["z-0"])
-    wrong = type(wrong)(**{name: getattr(wrong, name) for name in wrong.__slots__}
-                        | {"proposals": (Proposal(Item("z-0", "song", {}), 1.0, 1),)})  # fmt: skip
+def test_a_study_is_made_whole_or_not_at_all(place, tmp_path):
+    song = Run("puzzle", "m", "m", {}, "s", {"sha256": "z", "pieces": 2}, {}, {}, (Proposal(Item("z-0", "song", {}), 1.0, 1),))
     with pytest.raises(BadInput, match="kind 'song'"):
-        create_design(tmp_path / "a.db", [*RUNS, wrong], Design())
+        create_design(place, [*RUNS, song], Design())
+
+    def stop(share, words):
+        if share > 0.5:
+            raise Cancelled
+
+    with pytest.raises(Cancelled):
+        create_design(place, RUNS, Design(), progress=stop)
     assert list(tmp_path.iterdir()) == []
-    create_design(tmp_path / "a.db", RUNS, Design()).close()
-    with pytest.raises(BadInput, match="exists already"):
-        create_design(tmp_path / "a.db", RUNS, Design())
+    create_design(place, RUNS, Design()).close()
+    with pytest.raises(BadInput, match="already"):
+        create_design(place, RUNS, Design())
 
 
 def test_a_study_without_a_name_has_that_of_its_file(tmp_path):

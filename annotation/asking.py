@@ -1,5 +1,6 @@
 """What a voting screen asks of an open study beside the rules: who may vote, and what one volunteer has answered."""
 
+import itertools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -11,7 +12,17 @@ from . import schema
 from .handle import StudyHandle
 from .records import Item, OpenItem, Practice, Study
 from .study import about
-from .voting import checked_code, current_votes, item, open_items, practice, sides_swapped, volunteer, volunteers
+from .voting import (
+    checked_code,
+    current_votes,
+    item,
+    open_items,
+    practice,
+    sides_swapped,
+    still_open,
+    volunteer,
+    volunteers,
+)
 
 _current = schema.current_vote.c
 
@@ -59,12 +70,20 @@ def own_answer(handle: StudyHandle, code: str, one: OpenItem) -> str:
         return connection.scalar(select(_current.answer).where(*mine)) or ""
 
 
-def first_unanswered(handle: StudyHandle, code: str, wanted: Sequence[OpenItem]) -> int:
-    """How many of the items in front are answered already (by the same volunteer in another window)."""
-    for number, one in enumerate(wanted):
-        if not own_answer(handle, code, one):
-            return number
-    return len(wanted)
+class Needless(NamedTuple):
+    """Items that need not be asked any more."""
+
+    answered: tuple[OpenItem, ...]
+    """by the same volunteer, in another window"""
+    settled: tuple[OpenItem, ...]
+    """by others"""
+
+
+def needless_in_front(handle: StudyHandle, code: str, wanted: Sequence[OpenItem]) -> Needless:
+    """Of the items in the order in which they come, those before the first that is still to be asked."""
+    passed = list(itertools.takewhile(lambda one: not still_open(handle, code, one), wanted))
+    answered = tuple(one for one in passed if own_answer(handle, code, one))
+    return Needless(answered, tuple(one for one in passed if one not in answered))
 
 
 def asked_item(handle: StudyHandle, code: str, item_id: str) -> tuple[Item, bool]:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from annotation import study
-from annotation.asking import Opening, first_unanswered, opening, own_answer
+from annotation.asking import Needless, Opening, needless_in_front, opening, own_answer
 from annotation.handle import StudyHandle
 from annotation.records import OpenItem, VotingProgress
 from engine.shapes.segmentation import SegmentedShape
@@ -314,21 +314,20 @@ class VotingDesk(QObject):
 
     def _commit(self, work: Callable[[StudyHandle], Any], done: Callable[[Any], None], follow: Callable[[], None],
                 again: Callable[[], None], answered: OpenItem | None = None) -> None:  # fmt: skip
-        """Write to the study in the thread for votes, and see in passing which of the next ones are answered already."""
+        """Write to the study in the thread for votes, and see in passing which of the next ones need no asking any more."""
         handle, code = self.handle, self.code
         following = [one for one in self._queue.upcoming(AHEAD + 14) if one != answered]
         self.saving, self._again = True, None
 
-        def run(_: Any) -> tuple[Any, list[OpenItem]]:
-            value = work(handle)
-            return value, following[: first_unanswered(handle, code, following)]
+        def run(_: Any) -> tuple[Any, Needless]:
+            return work(handle), needless_in_front(handle, code, following)
 
-        def finished(found: tuple[Any, list[OpenItem]]) -> None:
+        def finished(found: tuple[Any, Needless]) -> None:
             if (self.handle, self.code) != (handle, code):
                 return
             self.saving = False
             done(found[0])
-            self._queue = self._queue.elsewhere(found[1])
+            self._queue = self._queue.elsewhere(found[1].answered).settle(found[1].settled)
             follow()
 
         def failed(sentence: str, _details: str) -> None:

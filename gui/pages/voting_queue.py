@@ -47,6 +47,11 @@ class Queue:
             queue = queue.answer(one, None)
         return queue
 
+    def settle(self, ones: Iterable[OpenItem]) -> Self:
+        """Items that the votes of others have settled."""
+        gone = set(ones)
+        return replace(self, open=tuple(one for one in self.open if one not in gone)) if gone else self
+
     def skip(self, one: OpenItem) -> Self:
         """Leave an item for the end, after those that were left before."""
         return replace(self, skipped=(*(other for other in self.skipped if other != one), one))

@@ -9,7 +9,7 @@ import time
 import pytest
 from judging_world import LAMP, VASE, identity, study_of
 
-from annotation import backup, study, voting
+from annotation import asking, backup, study, voting
 
 FOOT, STEM, SHADE = (identity(LAMP, (n,), VASE, (n,)) for n in range(3))
 
@@ -70,6 +70,10 @@ def test_an_item_that_others_settled_is_asked_no_more(tmp_path):
         assert [study.still_open(handle, "carl", mine[item]) for item in (FOOT, STEM, SHADE)] == [False, True, True]
         assert not study.still_open(handle, "anna", mine[STEM])
         assert {one.item_id for one in study.open_items(handle, "carl")} == {STEM, SHADE}
+        study.record_vote(handle, STEM, "carl", "wrong")
+        ahead = [mine[FOOT], mine[STEM], mine[SHADE]]
+        assert asking.needless_in_front(handle, "carl", ahead) == ((mine[STEM],), (mine[FOOT],))
+        assert asking.needless_in_front(handle, "carl", ahead[::-1]) == ((), ())
 
 
 def test_a_clock_set_back_does_not_change_what_counts(path, monkeypatch):

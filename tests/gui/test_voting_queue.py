@@ -39,6 +39,13 @@ def test_progress_counts_neither_practice_nor_what_cannot_be_shown():
     assert queue.answer(B, 6_000).answer(B, 1, again=True).progress() == VotingProgress(2, 3, 5.0)
 
 
+def test_what_others_have_settled_is_neither_asked_nor_counted():
+    queue = ALL.answer(P, 10).answer(A, 4_000).skip(B).settle([B])
+    assert queue.upcoming() == (C,)
+    assert queue.progress() == VotingProgress(1, 2, 4.0)
+    assert queue.refresh((B, C), queue.step).upcoming() == (C, B)  # a vote was taken back: it is asked again
+
+
 def test_practice_is_numbered():
     q = OpenItem("q", 0)
     queue = Queue(open=(P, q, A))

@@ -13,6 +13,7 @@ from annotation import schema, study
 from annotation.comparing import leave_one_out
 from annotation.matchesfile import run_of_json
 from annotation.precision import ALL_SETS, ballots, counted, precision_table, proposed_later, sample, tabulate, without
+from annotation.sampling import sample as draw_sample
 from annotation.stamps import now
 from annotation.tabletext import agreement_line, notes, render
 from engine.errors import BadParameter
@@ -251,3 +252,19 @@ def test_matches_proposed_after_the_draw_had_no_chance(tmp_path):
     assert (new.later, new.micro, new.bound_low, new.bound_high) == (2, *map(pytest.approx, (1.0, 1.5 / 3.5, 1.0)))
     assert "top-up" in " ".join(notes([old, new]))
     assert "top-up" not in " ".join(notes([old]))
+
+
+def test_samples_by_the_design_tell_the_precision_of_the_whole_and_counts_alone_do_not():
+    """One pair of 200 matches, 9 of 10 right, and twenty pairs of two wrong ones: 180 of 240. Of 30 drawn every pair gives one."""
+    results = [ran("m", "large", " ".join(f"l{k}" for k in range(200))), *(ran("m", f"s{k}", f"s{k}a s{k}b") for k in range(20))]
+    right = {f"l{k}": "w" if k % 10 == 0 else "c" for k in range(200)}
+    votes = counted(cast(**right, **{f"s{k}{end}": "w" for k in range(20) for end in "ab"}))
+    strata = {item: result.pair for result in results for item in result.items}
+    weighted, plain = [], []
+    for seed in range(150):
+        drawn = draw_sample(strata, 30, str(seed))
+        some = {item: votes[item] for item in drawn}
+        weighted.append(tabulate(results, some, {item: 1 / p for item, p in drawn.items()})[0].micro)
+        plain.append(tabulate(results, some)[0].micro)
+    assert sum(weighted) / 150 == pytest.approx(180 / 240, abs=0.015)
+    assert sum(plain) / 150 < 0.5

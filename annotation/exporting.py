@@ -18,8 +18,8 @@ from . import schema
 from .csvtext import csv_text
 from .exporttables import TABLES, dictionary, dictionary_text, names
 from .handle import StudyHandle
+from .majority import majorities
 from .proposals import canonical
-from .voting import majority
 
 Format = Literal["csv", "jsonl", "parquet"]
 FORMATS: tuple[Format, ...] = ("csv", "jsonl", "parquet")
@@ -41,16 +41,14 @@ def export(
 
 
 def contents(handle: StudyHandle, formats: Sequence[str], *, gold: bool = False) -> dict[str, bytes]:
-    """The files of an export by name, each whole."""
+    """The files of an export by name, each whole, all of one moment of the study."""
     unknown = [name for name in formats if name not in FORMATS]
     if unknown or not formats:
         raise BadParameter(f"{', '.join(unknown) or 'Nothing'} is no format to export to; choose of {', '.join(FORMATS)}.")
     tables = tuple(name for name in TABLES if gold or name != "gold")
-    files: dict[str, bytes] = {}
-    for table in tables:
-        rows = table_rows(handle, table)
-        for format in dict.fromkeys(formats):
-            files[f"{table}.{format}"] = _WRITERS[format](table, rows)
+    with handle.reading() as connection:
+        rows = {table: _rows(connection, table) for table in tables}
+    files = {f"{table}.{format}": _WRITERS[format](table, rows[table]) for table in tables for format in dict.fromkeys(formats)}
     files["dictionary.md"] = dictionary_text(tables).encode()
     files["dictionary.json"] = (json.dumps(dictionary(tables), indent=1, ensure_ascii=False) + "\n").encode()
     return files
@@ -63,10 +61,12 @@ def votes_csv(handle: StudyHandle) -> str:
 
 def table_rows(handle: StudyHandle, table: str) -> list[Row]:
     """The rows of one table, in the order of its columns and in an order that is always the same."""
-    if table == "majority":
-        return [(item, *found) for item, found in majority(handle).items()]
     with handle.reading() as connection:
-        return [tuple(row) for row in _READERS[table](connection)]
+        return _rows(connection, table)
+
+
+def _rows(connection: Connection, table: str) -> list[Row]:
+    return [tuple(row) for row in _READERS[table](connection)]
 
 
 def _votes(connection: Connection) -> Iterator[Row]:
@@ -135,6 +135,14 @@ def _volunteers(connection: Connection) -> Iterator[Row]:
         yield row.code, bool(row.adjudicates), count.get(row.code, 0), votes, first, last, row.created_at
 
 
+def _majority(connection: Connection) -> Iterator[Row]:
+    vote = schema.current_vote.c
+    ids = connection.scalars(select(schema.item.c.id).order_by(schema.item.c.id)).all()
+    given = connection.execute(select(vote.item_id, vote.answer).where(vote.round == 1))
+    for item, found in majorities(ids, ((row.item_id, row.answer) for row in given)).items():
+        yield item, *found
+
+
 def _gold(connection: Connection) -> Iterator[Row]:
     asked, current = schema.asked.c, schema.current_vote.c
     votes: dict[str, list[Any]] = {}
@@ -197,6 +205,7 @@ def _parquet(table: str, rows: Sequence[Row]) -> bytes:
 
 
 _READERS: Mapping[str, Callable[[Connection], Iterable[Row]]] = {
-    "votes": _votes, "items": _items, "proposals": _proposals, "runs": _runs, "volunteers": _volunteers, "gold": _gold,
+    "votes": _votes, "items": _items, "proposals": _proposals, "runs": _runs, "volunteers": _volunteers,
+    "majority": _majority, "gold": _gold,
 }  # fmt: skip
 _WRITERS: Mapping[str, Callable[[str, Sequence[Row]], bytes]] = {"csv": _csv, "jsonl": _jsonl, "parquet": _parquet}

@@ -102,5 +102,5 @@ def _verdicts(handle: StudyHandle) -> tuple[dict[str, Majority], set[str]]:
         rows = connection.execute(select(wanted.item_id, wanted.role, wanted.disputed)).all()
     counted = [row for row in rows if row.role != "practice"]
     cast = ((vote.item_id, vote.answer) for vote in current_votes(handle))
-    adjudicated = {row.item_id for row in counted if row.role == "judged" and row.disputed}
+    adjudicated = {row.item_id for row in counted if row.disputed}
     return majorities(sorted(row.item_id for row in counted), cast), adjudicated

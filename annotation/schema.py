@@ -182,7 +182,7 @@ WHERE NOT EXISTS (SELECT 1 FROM standing_vote AS e WHERE e.item_id = w.item_id A
 AND e.round = CASE WHEN w.role = 'practice' THEN 0 ELSE 1 END)
 AND CASE WHEN w.role <> 'practice' AND EXISTS (SELECT 1 FROM assignment AS a WHERE a.volunteer = v.code)
 THEN EXISTS (SELECT 1 FROM assignment AS a WHERE a.volunteer = v.code AND a.item_id = w.item_id)
-WHEN v.adjudicates = 1 THEN w.disputed = 1 AND w.role = 'judged'
+WHEN v.adjudicates = 1 THEN w.disputed = 1 AND w.role <> 'practice'
 WHEN w.role = 'practice' THEN 1 = 1
 ELSE w.open = 1 END"""
 PRACTICE = "CREATE VIEW practice AS SELECT item_id, answer, reason FROM asked WHERE role = 'practice'"

@@ -75,7 +75,7 @@ def open_to(world: World, code: str) -> set[tuple[str, int]]:
         elif packet:
             asks = item in packet
         elif code in world.adjudicators:
-            asks = role == "judged" and tied and total >= max(world.k, 2)
+            asks = tied and total >= max(world.k, 2)
         else:
             asks = world.k == 0 or role == "gold" or wants_more
         during = 0 if role == "practice" else 1

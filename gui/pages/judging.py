@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 from PySide6.QtCore import QObject, Signal
 
 from annotation import study
+from annotation.blobs import keep_shapes
+from annotation.studyruns import unasked
 from engine.errors import BadInput
 from engine.shapes.result import MatchResult
 
@@ -129,21 +131,22 @@ class Judging(QObject):
         self.commit(lambda handle: study.undo_vote(handle, code), back)
 
     def enrol(self) -> None:
-        """Put the shown matches into the study, judged or not, so that volunteers are asked about them."""
-        result, set_name = self.session.state.result, self.session.state.set_name
-        if result is not None and not self.saving:
-            self.commit(lambda handle: self._enrol(handle, result, set_name),
-                         lambda _: self.saved.emit(f"{len(result.ids)} matches in the study"))  # fmt: skip
+        """Put the shown matches and shapes into the study, judged or not, so that volunteers can be asked about them."""
+        state = self.session.state
+        result = state.result
+        if result is None or self.saving:
+            return
 
-    def vote_on(self, item_id: str, answer: str, shown_ms: int, presentation: Mapping[str, Any],
-                done: Callable[[], None], comment: str = "") -> None:  # fmt: skip
-        """Commit an answer on an item that is already in the study (the voting page), then call `done`."""
-        code = self.session.state.volunteer
+        def work(handle: study.StudyHandle) -> int:
+            self._enrol(handle, result, state.set_name)
+            keep_shapes(handle, (state.source, state.target))
+            return unasked(handle).matches
 
-        def work(handle: study.StudyHandle) -> None:
-            study.record_vote(handle, item_id, code, answer, comment=comment, shown_ms=shown_ms, presentation=presentation)
+        def done(left: int) -> None:
+            more = f"; {left} are not asked yet (Study > Top up)" if left else ""
+            self.saved.emit(f"{len(result.ids)} matches in the study{more}")
 
-        self.commit(work, lambda _: done())
+        self.commit(work, done)
 
     def take_back(self, done: Callable[[str | None], None]) -> None:
         """Retract the last vote (the voting page) and hand its item to `done`."""

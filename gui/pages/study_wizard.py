@@ -74,6 +74,7 @@ class StudyWizard(QDialog):
         self.run, self.own, self.gone = run, own, False
         self.known: dict[str, Practice] = {}
         self.plan: Plan | None = None
+        self._counted, self._planned, self._sources = None, None, ()
         self.results = ResultsStep(sources, self._read, folder, self)
         self.question = FormStep(("question", "guideline", "unsure"), self)
         self.votes = FormStep(("votes", "adaptive", "overlap"), self)
@@ -234,23 +235,29 @@ class StudyWizard(QDialog):
         return self.own() if way == "own" and self.own is not None else {}
 
     def _changed(self) -> None:
-        """Count anew what is chosen, and what it will cost."""
-        sources = self.results.chosen()
-        self.count.setText(counts_text(sources) if sources else "")
+        """Count anew what is chosen, and what it will cost; what is large is gone through only when it has changed."""
+        key = self.results.key()
+        if key != self._counted:
+            self._counted, self._sources = key, self.results.chosen()
+            self.count.setText(counts_text(self._sources) if self._sources else "")
         self.error.setText("")
         values = self.votes.values()
         self.votes.form.rows["overlap"].setEnabled(values["adaptive"] and values["votes"] > 2)
         self.votes.form.rows["adaptive"].setEnabled(values["votes"] > 2)
         if self.number >= 3:
-            self._plan(sources)
+            self._plan()
 
-    def _plan(self, sources: Sequence[Source]) -> None:
-        runs = [run for source in sources for run in source.runs]
+    def _plan(self) -> None:
+        """Draw what would be asked, and say what that costs."""
+        runs = [run for source in self._sources for run in source.runs]
         try:
             design = self.design()
-            self.plan = draw_design(runs, design, gold=self.known)
-            self.sample.show_plan(runs, self.plan, design)
-            self.place.summary.setText(plan_text(sources, self.plan, expected_of(self.plan, design, self.sample.expected)))
+            key = (self._counted, design.changed(name="", question="", guideline=""), id(self.known))
+            if key != self._planned:
+                self._planned, self.plan = key, draw_design(runs, design, gold=self.known)
+                self.sample.show_plan(runs, self.plan, design)
+            cost = expected_of(self.plan, design, self.sample.expected)
+            self.place.summary.setText(plan_text(self._sources, self.plan, cost))
         except ConcordError:
             return
 

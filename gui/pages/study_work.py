@@ -14,6 +14,8 @@ from annotation.findings import Findings, findings
 from annotation.findings_report import Drawn, as_csv, as_html, draw_disputed, lead_of, written
 from annotation.findings_tables import tables, values
 from annotation.forgetting import forget
+from annotation.overview import overview
+from annotation.overview_tables import VALUES_HEAD, overview_values
 from annotation.packets import make_packet
 from annotation.proposals import add_run
 from annotation.study import StudyHandle, open_study, volunteers
@@ -103,6 +105,9 @@ def unjudged_study(handle: StudyHandle, progress: Progress, sources: Sequence[So
 def report(handle: StudyHandle, progress: Progress, path: Path, style: str, section: str, preset: str) -> str:
     """Write what the votes say: one section as CSV, or all as Markdown, LaTeX or an HTML page with pictures."""
     progress(0.1, "Working out the figures")
+    if (style, section) == ("csv", "volunteers"):
+        write_atomically(path, as_csv((VALUES_HEAD, [overview_values(row) for row in overview(handle)])))
+        return f"Written to {path}"
     found = findings(handle, preset=preset)
     write_atomically(path, report_text(handle, progress, found, style, section))
     return f"Written to {path}"

@@ -94,6 +94,11 @@ class ResultsStep(QWidget):
                 found.append(renamed(source, self.table.item(line, 1)))
         return tuple(found)
 
+    def key(self) -> tuple[tuple[bool, str], ...]:
+        """What is chosen, to see whether it has changed."""
+        cells = ((self.table.item(line, 0), self.table.item(line, 1)) for line in range(self.table.rowCount()))
+        return tuple((tick.checkState() == Qt.CheckState.Checked, name.text()) for tick, name in cells)
+
     def ask_files(self) -> None:
         """Ask for files of results."""
         paths, _ = QFileDialog.getOpenFileNames(self, "Results to be judged", self.folder, READ)

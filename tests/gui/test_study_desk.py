@@ -323,6 +323,18 @@ def test_the_section_that_is_shown_is_the_one_that_is_written(bars, qtbot, tmp_p
     assert (tmp_path / "t.csv").read_text().startswith("of,matches,votes,raw,alpha")
 
 
+def test_the_overview_leaves_as_it_is_shown(bars, qtbot, tmp_path, monkeypatch):
+    save_to(monkeypatch, tmp_path / "who.csv")
+    bars.show_page("results")
+    bars.results.choose("volunteers")
+    settle(bars, qtbot)
+    bars.actions_by_id["report-csv"].trigger()
+    settle(bars, qtbot)
+    lines = (tmp_path / "who.csv").read_text().splitlines()
+    assert lines[0].startswith("volunteer,adjudicates,judged")
+    assert [line.split(",")[0] for line in lines[1:]] == ["anna", "ben"]
+
+
 def test_votes_leave_as_tables_with_a_dictionary(bars, qtbot, tmp_path, monkeypatch):
     monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_, **__: str(tmp_path / "out"))
     bars.actions_by_id["export-votes"].trigger()

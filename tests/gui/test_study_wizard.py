@@ -66,6 +66,22 @@ def test_what_is_ticked_is_counted_once_whoever_proposed_it(wizard, runs):
     assert "4 matches of 1 method" in counts_text([Source("", tuple(runs[::2]))])
 
 
+def test_a_plan_is_drawn_anew_only_where_it_may_differ(wizard, monkeypatch):
+    drawn = []
+    monkeypatch.setattr("gui.pages.study_wizard.draw_design", lambda *a, **k: drawn.append(a) or draw_design(*a, **k))
+    to(wizard, "place")
+    before = len(drawn)
+    wizard.place.form.rows["name"].show_value("Another name")
+    wizard.place.path.line.setText("/tmp/elsewhere.db")
+    assert len(drawn) == before
+    wizard.sample.form.rows["most"].show_value(4)
+    assert len(drawn) == before + 1
+    assert "4 matches to be judged" in wizard.place.summary.text()
+    wizard.results.table.item(0, 0).setCheckState(Qt.CheckState.Unchecked)
+    assert len(drawn) == before + 2
+    assert "3 matches to be judged" in wizard.place.summary.text()
+
+
 def test_nothing_ticked_goes_nowhere(wizard):
     for line in range(2):
         wizard.results.table.item(line, 0).setCheckState(Qt.CheckState.Unchecked)

@@ -48,7 +48,7 @@ def lived(path: Path, steps: list[Step]) -> None:
             study.add_result(handle, result(((0,), (0,)), ((0, 1), (0, 1)), seconds=len(steps)))
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(st.lists(STEPS, min_size=3, max_size=3))
 def test_any_histories_merged_in_any_order_are_the_same_study(histories):
     with tempfile.TemporaryDirectory() as folder:

@@ -27,7 +27,7 @@ def start(tmp_path_factory):
     return path
 
 
-@settings(max_examples=10, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
 @given(HISTORIES)
 def test_any_histories_merge_to_the_same_study(start, history):
     steps, rng = history

@@ -7,6 +7,7 @@ import sqlite3
 import tempfile
 import time
 from datetime import UTC, datetime, timedelta
+from glob import escape
 from pathlib import Path
 
 from .places import sync_folder
@@ -38,12 +39,12 @@ def keep_backup(raw: sqlite3.Connection, path: Path) -> Path | None:
 
 def backups(path: Path) -> list[Path]:
     """The rotating copies, oldest first (those made before a migration are not among them, and stay)."""
-    return sorted(_folder(path).glob(f"{path.name}.2*"))
+    return sorted(_folder(path).glob(f"{escape(path.name)}.2*"))
 
 
 def every_backup(path: Path) -> list[Path]:
     """All copies, those made before a migration too."""
-    return sorted(_folder(path).glob(f"{path.name}.*"))
+    return sorted(_folder(path).glob(f"{escape(path.name)}.*"))
 
 
 def back_up(raw: sqlite3.Connection, path: Path, label: str = "") -> Path:
@@ -58,7 +59,7 @@ def back_up(raw: sqlite3.Connection, path: Path, label: str = "") -> Path:
     target = _folder(path) / ".".join(filter(None, (path.name, label, stamp.strftime(_STAMP))))
     target.parent.mkdir(exist_ok=True)
     for left in target.parent.glob(f"{_STAGED}*"):  # of a process that was killed
-        if not 0 <= time.time() - _mtime(left) < _LEFT_SECONDS:
+        if abs(time.time() - _mtime(left)) > _LEFT_SECONDS:
             shutil.rmtree(left, ignore_errors=True)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=_STAGED) as folder:
         staged = Path(folder) / "copy"

@@ -53,7 +53,7 @@ def test_a_file_that_is_named_like_a_folder(tmp_path):
         assert study.about(handle).name == "Lamps"
 
 
-@pytest.mark.parametrize("name", ["what? 100 % #1 & co.db", "Lämpchen ☀.db", os.fsdecode(b"caf\xe9.db")])
+@pytest.mark.parametrize("name", ["what? 100 % #1 & [co].db", "Lämpchen ☀.db", os.fsdecode(b"caf\xe9.db")])
 def test_any_name_of_a_file_will_do(tmp_path, name):
     try:
         study_of(tmp_path / name).close()
@@ -64,6 +64,7 @@ def test_any_name_of_a_file_will_do(tmp_path, name):
     with study.open_study(tmp_path / name, writable=False) as handle:
         assert study.answers(handle, "anna") == {FOOT: "correct"}
     assert {found.name for found in tmp_path.iterdir()} == {name, "backups"}
+    assert len(backup.backups(tmp_path / name)) == 1
 
 
 def test_a_project_folder_is_made_whole_or_not_at_all(tmp_path):

@@ -16,6 +16,7 @@ from pathlib import Path
 from sqlalchemy import insert
 
 from annotation import schema, study
+from annotation.asking import asked_item, needless_in_front
 from annotation.precision import precision_table
 
 
@@ -89,14 +90,16 @@ def main(arguments: list[str]) -> None:
 
 def report(handle: study.StudyHandle, title: str) -> None:
     print(title)
-    left = iter(study.ordered_ids(handle, "v03"))
+    left = iter(study.open_items(handle, "v03"))
 
     def between() -> None:
-        study.record_vote(handle, next(left), "v03", "correct", shown_ms=1000, active_ms=900)
-        study.item(handle, next(left))
+        study.record_vote(handle, next(left).item_id, "v03", "correct", shown_ms=1000, active_ms=900)
+        following = [next(left) for _ in range(3)]
+        assert needless_in_front(handle, "v03", following) == ((), ())
+        asked_item(handle, "v03", following[0].item_id)
 
     for name, work in (
-        ("record a vote and read the next item", between),
+        ("record a vote, choose and read the next item", between),
         ("next_item", lambda: study.next_item(handle, "v03")),
         ("open_items", lambda: study.open_items(handle, "v03")),
         ("progress", lambda: study.progress(handle, "v03")),
@@ -106,7 +109,7 @@ def report(handle: study.StudyHandle, title: str) -> None:
         ("precision_table", lambda: precision_table(handle)),
         ("open_study", lambda: study.open_study(handle.where, backup=False).close()),
     ):
-        print(f"  {name:40}{median(work):9.1f} ms")
+        print(f"  {name:46}{median(work):9.1f} ms")
 
 
 if __name__ == "__main__":

@@ -159,6 +159,7 @@ def show_secret(parent: QWidget, title: str, lead: str, secret: str) -> QDialog:
     heading.setObjectName("page-heading")
     words.setObjectName("soft")
     line = QLineEdit(secret, dialog, readOnly=True)
+    line.setCursorPosition(0)
     copy, done = QPushButton("Copy", dialog, autoDefault=False), QPushButton("Done", dialog, default=True)
     copy.clicked.connect(lambda: QGuiApplication.clipboard().setText(secret))
     done.clicked.connect(dialog.accept)

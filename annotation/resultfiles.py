@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 SCHEMAS = (b'"concord.matches/', b'"concord.solution/')
 _HEAD = 4096  # bytes of a file in which it says what it is
 _ABOVE = 4  # folders above a result in which its meshes are looked for
+MOST_SEGMENTS = 200  # that the automatic methods make
 _PLAIN = ("pairs", "matches", "results")  # folders named by the program, not by a set
 
 
@@ -125,6 +126,20 @@ def _places(file: str, near: Path) -> Iterator[Path]:
         yield from (folder / file, folder / _name(file))
 
 
+def _segmented(path: Path, count: int) -> Iterator["SegmentedShape"]:
+    """A mesh with the segments that it comes with or, where it has no labels, those of the quick automatic methods."""
+    from engine.shapes.meshfile import load_shape
+    from engine.shapes.segmentationparameters import DEFAULT, PARTS, PATCHES
+    from engine.store import default_cache
+
+    yield load_shape(path, cache=default_cache())
+    for method in (PARTS, PATCHES) if 2 <= count <= MOST_SEGMENTS else ():
+        shape = load_shape(path, automatic=DEFAULT.changed(method=method, segments=count), cache=default_cache())
+        if not shape.automatic:
+            return
+        yield shape
+
+
 class _Meshes:
     """Mesh files that were read, each once."""
 
@@ -134,21 +149,18 @@ class _Meshes:
     def shape(self, side: Any, places: Iterable[Path]) -> tuple["SegmentedShape | None", str]:
         """The shape of a side, or why there is none."""
         from engine.shapes.identity import node_id, segment_ids
-        from engine.shapes.meshfile import load_shape
-        from engine.store import default_cache
 
         why = "was not found"
         for path in dict.fromkeys(place.absolute() for place in places):
             if self._identity(path) != side["sha256"]:
                 continue
             try:
-                shape = load_shape(path, cache=default_cache())
+                for shape in _segmented(path, side["segments"]):
+                    if side.get("segmentation") in (None, "", node_id(segment_ids(shape.mesh, shape.segmentation))):
+                        return shape, ""
+                why = f"was found as {path}, but with other segments"
             except BadInput as error:
                 why = f"cannot be read ({error})"
-                continue
-            if side.get("segmentation") in (None, "", node_id(segment_ids(shape.mesh, shape.segmentation))):
-                return shape, ""
-            why = f"was found as {path}, but with other segments"
         return None, why
 
     def _identity(self, path: Path) -> str | None:

@@ -23,6 +23,7 @@ from engine.shapes.describing import describe
 from engine.shapes.matching import propose, rematch
 from engine.shapes.meshfile import load_shape
 from engine.shapes.parameters import preset
+from engine.shapes.segmentationparameters import DEFAULT
 
 LIGHT = preset("top-down").changed(light_fields=1, resolution=64)
 
@@ -144,6 +145,20 @@ def test_shapes_are_found_by_content_wherever_they_lie(matched, tmp_path_factory
     assert "cannot be read" in find_shapes(files, runs, [elsewhere]).missing[0]
     (elsewhere / "deep" / "coarse.off").write_text("no mesh")
     assert len(find_shapes(files, runs, [elsewhere]).missing) == 2
+
+
+@pytest.mark.parametrize(("method", "count"), [("parts", 3), ("patches", 4)])
+def test_automatic_segments_are_made_again(tmp_path, lamp, coarse_lamp, method, count):
+    paths = [tmp_path / "lamp.off", tmp_path / "coarse.off"]
+    for path, shape in zip(paths, (lamp, coarse_lamp), strict=True):
+        path.write_text(off(shape))
+    automatic = DEFAULT.changed(method=method, segments=count)
+    shapes = [describe(load_shape(path, automatic=automatic), LIGHT) for path in paths]
+    write_matches(rematch(propose(*shapes, LIGHT), LIGHT), tmp_path)
+    files = find_results([str(tmp_path / "matches.json")])
+    found = find_shapes(files, read_all(files))
+    assert found.missing == ()
+    assert {shape.segmentation.count for shape in found.shapes.values()} == {count}
 
 
 @pytest.mark.parametrize("name", ["C:\\\\meshes\\\\lamp.off", "x" * 5000, "a\\u0000b", "", "/", ".."])

@@ -4,7 +4,7 @@ import signal
 import sys
 
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QApplication, QFileDialog, QMainWindow
 
 from annotation import study
@@ -29,7 +29,7 @@ class VolunteerWindow(QMainWindow):
         super().__init__()
         self.where, self.code = where, code
         self.handle: StudyHandle | None = None
-        self._leaving = False
+        self._leaving = self._closing = False
         self.opener = Jobs(self)
         self.desk = VotingDesk(parent=self)
         self.screen = VotingScreen(self.desk, self, own_window=True)
@@ -40,6 +40,8 @@ class VolunteerWindow(QMainWindow):
         self.setAcceptDrops(True)
         self.screen.left.connect(self.close)
         self.desk.refused.connect(self._ask_code)
+        self.desk.saved.connect(lambda _: self.close() if self._closing else None)
+        self.desk.failed.connect(lambda _: setattr(self, "_closing", False))
         self._restore_hook = show_unexpected(lambda sentence, _: self.desk.failed.emit(unknown_trouble(sentence)))
         hints = QApplication.instance().styleHints()
         self._follow_system = dark is None
@@ -114,6 +116,13 @@ class VolunteerWindow(QMainWindow):
         if code and self.handle is not None:
             self._vote_as(code, new=new)
 
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Keys work also before anything in the window has the focus."""
+        if self.focusWidget() is None or self.focusWidget() is self:
+            self.screen.keyPressEvent(event)
+        else:
+            super().keyPressEvent(event)
+
     # --- files dropped on it, and the end
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
@@ -130,7 +139,11 @@ class VolunteerWindow(QMainWindow):
             QTimer.singleShot(0, self.begin)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Let the last answer reach the disk; if that fails, say so once before going."""
+        """Let the last answer reach the disk; if that fails or takes long, go only when asked once more."""
+        if self.desk.saving and not self._closing:
+            self._closing = True
+            event.ignore()
+            return
         if self.desk.unsaved and not self.desk.saving and not self._leaving:
             self._leaving = True
             self.desk.failed.emit("Your last answer is not saved yet; try again, or close once more to leave without it.")

@@ -1,6 +1,7 @@
 """The volunteers' window: from the welcome to the thanks, with keys alone, and nothing lost on the way."""
 
 import sqlite3
+import threading
 
 import pytest
 from PySide6.QtCore import Qt
@@ -192,6 +193,24 @@ def test_a_vote_that_cannot_be_saved_waits_and_is_not_lost(qtbot, windows, path,
     assert current(path) == {(question.asked.item_id, 1): "correct"}
     assert not window.screen.trouble.isVisible()
     assert window.desk.question is not question
+
+
+def test_a_window_closed_while_it_saves_waits_for_the_answer(qtbot, windows, path, make_bar, monkeypatch):
+    make_study(path, make_bar, practice=0, gold=0)
+    window = windows(path)
+    record, may = study.record_vote, threading.Event()
+
+    def slow(*args, **kwargs):
+        may.wait(10)
+        return record(*args, **kwargs)
+
+    monkeypatch.setattr(voting_desk.study, "record_vote", slow)
+    qtbot.keyClick(window.screen, K.Key_J)
+    window.close()
+    assert window.isVisible()
+    may.set()
+    qtbot.waitUntil(lambda: not window.isVisible(), timeout=10_000)
+    assert list(current(path).values()) == ["correct"]
 
 
 def test_an_unknown_fault_is_a_plain_sentence(qtbot, windows, path, make_bar, monkeypatch):

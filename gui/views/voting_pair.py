@@ -14,7 +14,7 @@ from ..palette import Theme, rgb
 from .cameras import turned
 from .mesh_pair import MeshPairView
 from .scene import Scene
-from .voting_views import PartView, best_views, part_cameras
+from .voting_views import best_views, part_cameras
 
 if TYPE_CHECKING:
     from .pair import PairDrawing
@@ -24,11 +24,11 @@ _PAUSE, _STEP_OF_TURN = 40, 30.0  # ms between two pieces of drawing ahead; degr
 
 
 class ReadyPair(NamedTuple):
-    """Two shapes, left and right, made ready for VTK, with their marked segments and the views chosen for these."""
+    """Two shapes, left and right, made ready for VTK, with their marked segments and the directions (3,) chosen for these."""
 
     surfaces: tuple[Surface, Surface]
     segments: tuple[tuple[int, ...], tuple[int, ...]]
-    views: tuple[PartView, PartView]
+    views: tuple[np.ndarray, np.ndarray]
 
 
 def ready_pair(scenes: Sequence[Scene], segments: tuple[tuple[int, ...], tuple[int, ...]]) -> ReadyPair:

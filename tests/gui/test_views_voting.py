@@ -5,7 +5,7 @@ import pytest
 from world import bar as long_bar
 
 from gui.palette import DARK, LIGHT, rgb
-from gui.views.cameras import candidate_directions
+from gui.views.cameras import candidate_directions, visibility
 from gui.views.scene import prepare
 from gui.views.voting_pair import VotingPairView, ready_pair
 from gui.views.voting_views import best_views, part_cameras, part_scores
@@ -40,13 +40,13 @@ def shares(view, colour):
 
 def test_an_end_of_a_bar_is_seen_from_its_own_side(scenes):
     for end, sign in ((0, -1), (3, 1)):
-        towards = best_views(scenes, ((end,), (0 if end == 0 else 2,)))[0].towards
+        towards = best_views(scenes, ((end,), (0 if end == 0 else 2,)))[0]
         assert sign * towards[0] > 0.2  # the bar lies along x
 
 
 def test_both_shapes_are_seen_from_the_same_direction_where_that_serves_both(scenes):
     first, second = best_views(scenes, ((0,), (0,)))
-    assert np.array_equal(first.towards, second.towards)
+    assert np.array_equal(first, second)
 
 
 def test_no_part_is_much_better_seen_from_elsewhere(scenes):
@@ -54,20 +54,20 @@ def test_no_part_is_much_better_seen_from_elsewhere(scenes):
     for a in range(4):
         for b in range(3):
             for scene, part, view in zip(scenes, ((a,), (b,)), best_views(scenes, ((a,), (b,))), strict=True):
-                share = part_scores(scene, part)[1]
-                chosen = share[int(np.argmax(directions @ view.towards))]
+                share = visibility(scene, part, directions)[:, 0]
+                chosen = share[int(np.argmax(directions @ view))]
                 assert chosen >= 0.7 * share[directions[:, 1] > -0.5].max()
 
 
 def test_a_part_counts_as_one_however_it_is_cut(make_bar):
     whole, cut = prepare(long_bar([1.0, 2.0])), prepare(long_bar([1.0, 1.0, 1.0]))
-    assert np.allclose(part_scores(whole, (1,))[1], part_scores(cut, (1, 2))[1], atol=0.02)
+    assert np.allclose(part_scores(whole, (1,)), part_scores(cut, (1, 2)), atol=0.05)  # up to cells on the cut
 
 
 def test_nobody_is_made_to_look_from_far_below_without_need(scenes):
     for a in range(4):
         for b in range(3):
-            assert all(-0.5 < one.towards[1] < 0.9 for one in best_views(scenes, ((a,), (b,))))
+            assert all(-0.5 < one[1] < 0.9 for one in best_views(scenes, ((a,), (b,))))
 
 
 def test_cameras_stand_upright_at_one_distance(scenes):
@@ -77,7 +77,7 @@ def test_cameras_stand_upright_at_one_distance(scenes):
     assert np.allclose(second.up, first.up)
     distances = [np.linalg.norm(camera.position - camera.focal) for camera in (first, second)]
     assert distances[0] == pytest.approx(distances[1])
-    assert len(candidate_directions()) == len(part_scores(scenes[0], (0,))[0])
+    assert len(candidate_directions()) == len(part_scores(scenes[0], (0,)))
 
 
 def test_the_marked_parts_are_the_only_colour(view, scenes):

@@ -52,6 +52,7 @@ class ResultsPage(QWidget):
         self.empty.setObjectName("placeholder")
         self.empty.setTextFormat(Qt.TextFormat.PlainText)
         self.stack.addWidget(self.empty)
+        self.stack.setCurrentWidget(self.empty)
         column = QVBoxLayout(self)
         column.setContentsMargins(16, 12, 16, 12)
         column.setSpacing(12)

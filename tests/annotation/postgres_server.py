@@ -65,10 +65,9 @@ def binaries() -> Path:
 
 @contextlib.contextmanager
 def running(**settings: str) -> Iterator[Server]:
-    """A server for the block. It does not wait for its disk, and is thrown away."""
-    programs = binaries()
-    with tempfile.TemporaryDirectory(prefix="concord-pg-", dir="/tmp") as name:
-        folder = Path(name)
+    """A server for the block. It does not wait for its disk, and is thrown away, also where this process is killed."""
+    programs, folder = binaries(), Path(tempfile.mkdtemp(prefix="concord-pg-", dir="/tmp"))
+    with _ended_with_us(programs, folder):
         if os.geteuid() == 0:
             shutil.chown(folder, user=_unprivileged())
         (folder / "password").write_text(PASSWORD)
@@ -83,24 +82,37 @@ def running(**settings: str) -> Iterator[Server]:
         with (folder / "data" / "postgresql.conf").open("a") as conf:
             conf.writelines(f"{key} = '{value}'\n" for key, value in chosen.items())
         server.control("start")
-        try:
-            yield server
-        finally:
-            with contextlib.suppress(Unavailable):  # a test may have stopped it
-                server.control("stop", "-m", "immediate")
+        yield server
+
+
+@contextlib.contextmanager
+def _ended_with_us(programs: Path, folder: Path) -> Iterator[None]:
+    """A shell that stops the server and removes its folder as soon as the pipe from this process closes, however it ends."""
+    stop = _unprivileged_words([programs / "pg_ctl", "-D", folder / "data", "-w", "-m", "immediate", "stop"])
+    script = 'read -r _; "$@" >/dev/null 2>&1; rm -rf -- "$0"'
+    keeper = subprocess.Popen(["sh", "-c", script, str(folder), *stop], cwd="/", stdin=subprocess.PIPE, start_new_session=True)
+    try:
+        yield
+    finally:
+        keeper.communicate(timeout=120)
 
 
 def _run(command: list[object], folder: Path) -> None:
-    """Run one of the server's programs, which refuse root, and say what it said if it fails."""
-    words = [str(word) for word in command]
-    if os.geteuid() == 0:
-        words = ["setpriv", f"--reuid={_unprivileged()}", "--clear-groups", f"--regid={_group()}", *words]
+    """Run one of the server's programs and say what it said if it fails."""
     done = subprocess.run(
-        words, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        _unprivileged_words(command), cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         timeout=60, env={**os.environ, "LC_ALL": "C"},
     )  # fmt: skip
     if done.returncode:
         raise Unavailable(f"{Path(str(command[0])).name} failed: {done.stdout.strip()[-300:]} {_log(folder)}")
+
+
+def _unprivileged_words(command: list[object]) -> list[str]:
+    """The command, for somebody else where we are root, whom the server's programs refuse."""
+    words = [str(word) for word in command]
+    if os.geteuid() == 0:
+        return ["setpriv", f"--reuid={_unprivileged()}", "--clear-groups", f"--regid={_group()}", *words]
+    return words
 
 
 def _unprivileged() -> str:

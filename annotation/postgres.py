@@ -119,8 +119,7 @@ def create_server(address: str, fill: Callable[[Connection], None]) -> None:
 
 def _build(connection: Connection) -> None:
     connection.exec_driver_sql("CREATE SCHEMA concord")
-    schema.metadata.create_all(connection, checkfirst=False)
-    schema.create_views(connection)
+    schema.create_schema(connection)
     for statement in serverrules.guards():
         connection.exec_driver_sql(statement)
     connection.execute(text("INSERT INTO concord.version VALUES (:number)"), {"number": schema.SCHEMA_VERSION})
@@ -168,7 +167,7 @@ def _migrate(connection: Connection) -> None:
         return
     connection.exec_driver_sql(f"DROP SCHEMA {serverrules.BLIND} CASCADE")
     migrate(connection, version)
-    for statement in serverrules.blind_views():
+    for statement in serverrules.guards_again():
         connection.exec_driver_sql(statement)
     connection.execute(text("UPDATE concord.version SET number = :number"), {"number": schema.SCHEMA_VERSION})
     grant_again(connection)

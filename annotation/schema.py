@@ -212,11 +212,15 @@ practice = table("practice", column("item_id", Text()), column("answer", Text())
 
 
 def create_schema(connection: Connection) -> None:
-    """All tables, views and triggers, in an open transaction on an empty database."""
+    """All tables and views, and on SQLite triggers, in an open transaction on an empty database.
+
+    What guards a study on a server is in `annotation.serverrules`.
+    """
     metadata.create_all(connection, checkfirst=False)
     create_views(connection)
-    for statement in SQLITE_TRIGGERS:
-        connection.exec_driver_sql(statement)
+    if connection.dialect.name == "sqlite":
+        for statement in SQLITE_TRIGGERS:
+            connection.exec_driver_sql(statement)
 
 
 def create_views(connection: Connection) -> None:

@@ -27,7 +27,7 @@ OWN_TABLES = (
 _DEFINER = "STABLE SECURITY DEFINER SET search_path = pg_catalog, pg_temp"
 # What an item shows and nothing else, as `annotation.packets.blinded` has it: files may be named after methods. A NUL in
 # a name is no JSON that PostgreSQL can take to pieces.
-SHOWN = r"""CREATE FUNCTION concord.shown(kind text, payload text) RETURNS text LANGUAGE sql IMMUTABLE AS $$
+SHOWN = r"""CREATE OR REPLACE FUNCTION concord.shown(kind text, payload text) RETURNS text LANGUAGE sql IMMUTABLE AS $$
 WITH given AS MATERIALIZED (SELECT replace(payload, '\u0000', '\ufffd')::jsonb AS p)
 SELECT CASE WHEN kind = 'shape' THEN
 (SELECT jsonb_object_agg(side, jsonb_strip_nulls(jsonb_build_object('file', '', 'sha256', p -> side -> 'sha256',
@@ -38,15 +38,15 @@ ELSE jsonb_strip_nulls(jsonb_build_object('size', p -> 'size', 'pieces',
 ORDER BY place) FROM jsonb_array_elements(p -> 'pieces') WITH ORDINALITY AS t (piece, place))))
 END::text FROM given $$"""
 FUNCTIONS = (
-    f"""CREATE FUNCTION concord.own_code() RETURNS text LANGUAGE sql {_DEFINER}
+    f"""CREATE OR REPLACE FUNCTION concord.own_code() RETURNS text LANGUAGE sql {_DEFINER}
     AS 'SELECT code FROM concord.invited WHERE role = session_user'""",
-    f"""CREATE FUNCTION concord.is_researcher() RETURNS boolean LANGUAGE sql {_DEFINER}
+    f"""CREATE OR REPLACE FUNCTION concord.is_researcher() RETURNS boolean LANGUAGE sql {_DEFINER}
     AS 'SELECT EXISTS (SELECT 1 FROM concord.invited WHERE role = session_user AND researcher)'""",
-    f"""CREATE FUNCTION concord.follows_own(earlier text, item text, during integer) RETURNS boolean LANGUAGE sql {_DEFINER}
+    f"""CREATE OR REPLACE FUNCTION concord.follows_own(earlier text, item text, during integer) RETURNS boolean LANGUAGE sql {_DEFINER}
     AS 'SELECT earlier IS NULL OR EXISTS (SELECT 1 FROM concord.event AS e WHERE e.uuid = earlier AND e.item_id = item
     AND e.round = during AND e.volunteer = concord.own_code())'""",
     SHOWN,
-    """CREATE FUNCTION concord.refuse_change() RETURNS trigger LANGUAGE plpgsql AS
+    """CREATE OR REPLACE FUNCTION concord.refuse_change() RETURNS trigger LANGUAGE plpgsql AS
     $$ BEGIN RAISE EXCEPTION 'votes are only ever added: nothing may change or remove one'
     USING ERRCODE = 'restrict_violation'; END $$""",
 )
@@ -59,6 +59,7 @@ TRIGGERS = (
 
 _MINE = "volunteer = (SELECT concord.own_code())"
 POLICIES = (
+    "CREATE POLICY anybody ON concord.version FOR SELECT USING (true)",
     f"CREATE POLICY own_rows ON concord.event FOR SELECT USING ({_MINE})",
     f"""CREATE POLICY own_votes ON concord.event FOR INSERT
     WITH CHECK ({_MINE} AND concord.follows_own(supersedes, item_id, round))""",
@@ -86,16 +87,34 @@ BLIND_VIEWS = {
 def guards() -> Iterator[str]:
     """The statements that guard the tables and views of a new study, in order."""
     yield from (*OWN_TABLES, *FUNCTIONS, *TRIGGERS)
-    for name in (*schema.metadata.tables, "version", "invited"):
-        yield f"ALTER TABLE concord.{name} ENABLE ROW LEVEL SECURITY"
-        if name != "invited":
-            yield f"CREATE POLICY researchers ON concord.{name} USING ((SELECT concord.is_researcher()))"
-    yield "CREATE POLICY anybody ON concord.version FOR SELECT USING (true)"
+    yield from row_level_security()
     yield from POLICIES
     yield "REVOKE ALL ON SCHEMA concord FROM PUBLIC"
+    yield from private()
+    yield from blind_views()
+
+
+def guards_again() -> Iterator[str]:
+    """Those that are due after a migration, for new tables and for rules that have changed."""
+    yield from FUNCTIONS
+    yield from row_level_security()
+    yield from private()
+    yield from blind_views()
+
+
+def row_level_security() -> Iterator[str]:
+    """No row of any table for anybody but its owner and researchers, unless a policy says so."""
+    for name in (*schema.metadata.tables, "version", "invited"):
+        yield f"ALTER TABLE concord.{name} ENABLE ROW LEVEL SECURITY"
+        yield f"DROP POLICY IF EXISTS researchers ON concord.{name}"
+        if name != "invited":
+            yield f"CREATE POLICY researchers ON concord.{name} USING ((SELECT concord.is_researcher()))"
+
+
+def private() -> Iterator[str]:
+    """Nothing is granted to everybody."""
     yield "REVOKE ALL ON ALL TABLES IN SCHEMA concord FROM PUBLIC"
     yield "REVOKE ALL ON ALL FUNCTIONS IN SCHEMA concord FROM PUBLIC"
-    yield from blind_views()
 
 
 def blind_views() -> Iterator[str]:

@@ -132,7 +132,8 @@ def test_older_is_migrated_by_the_researcher_alone(server, address, monkeypatch)
     monkeypatch.setattr(schema, "SCHEMA_VERSION", schema.SCHEMA_VERSION + 1)
     from annotation import migrations
 
-    monkeypatch.setitem(migrations.STEPS, schema.SCHEMA_VERSION - 1, lambda op: op.execute("ALTER TABLE item ADD COLUMN x text"))
+    step = "ALTER TABLE item ADD COLUMN x text; ALTER TABLE run DISABLE ROW LEVEL SECURITY"
+    monkeypatch.setitem(migrations.STEPS, schema.SCHEMA_VERSION - 1, lambda op: op.execute(step))
     refused(personal, "older version; the researcher has to open it once")
     for _ in range(2):
         with study.open_study(address) as handle:
@@ -140,6 +141,8 @@ def test_older_is_migrated_by_the_researcher_alone(server, address, monkeypatch)
     with study.open_study(personal) as anna:
         study.record_vote(anna, FOOT, "anna", "wrong")
         assert study.answers(anna, "anna") == {FOOT: "wrong"}
+    bare = "SELECT relname FROM pg_class WHERE relkind = 'r' AND relnamespace = 'concord'::regnamespace AND NOT relrowsecurity"
+    assert server.sql(bare, address.rpartition("/")[2]) == []
     assert server.sql("SELECT number FROM concord.version", address.rpartition("/")[2]) == [(schema.SCHEMA_VERSION,)]
 
 

@@ -135,8 +135,7 @@ def test_views_say_the_same_on_a_server(database):
     engine = create_engine(database.replace("postgresql:", "postgresql+psycopg:"))
     with engine.begin() as connection:
         connection.exec_driver_sql("SET jit = off")
-        schema.metadata.create_all(connection)
-        schema.create_views(connection)
+        schema.create_schema(connection)
         for seed in range(25):
             with connection.begin_nested() as one:
                 written(random_world(seed), connection)

@@ -186,7 +186,6 @@ def screen_style(colours: Theme) -> str:
     QPushButton#plain {{ border: 1px solid transparent; background: transparent; color: {colours.soft_ink}; padding: 2px 6px; }}
     QPushButton#plain:hover {{ color: {colours.ink}; text-decoration: underline; }}
     QPushButton#plain:focus {{ border-color: {colours.accent}; color: {colours.ink}; }}
-    QScrollArea#notice-area, QScrollArea#notice-area > QWidget > QWidget {{ background: transparent; }}
     QLineEdit {{ font-size: 15px; padding: 4px 8px; }}
     """
 

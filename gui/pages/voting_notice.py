@@ -7,6 +7,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QPushButton, QScrollArea, QVBoxLayout, QWidget
 
 WIDTH, HIGH = 640, 60
+SCROLL = {Qt.Key.Key_Up: -0.1, Qt.Key.Key_Down: 0.1, Qt.Key.Key_PageUp: -0.8, Qt.Key.Key_PageDown: 0.8}
 
 
 class Choice(NamedTuple):
@@ -50,8 +51,7 @@ class Notice(QWidget):
         for part in (self.heading, self.text, self.more, self.field, self.trouble):
             column.addWidget(part)
         column.addStretch(1)
-        area = QScrollArea(self, widgetResizable=True)
-        area.setObjectName("notice-area")
+        area = self.area = QScrollArea(self, widgetResizable=True)
         area.setFrameShape(QScrollArea.Shape.NoFrame)
         area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         area.setAlignment(Qt.AlignmentFlag.AlignHCenter)
@@ -62,6 +62,8 @@ class Notice(QWidget):
         middle.addWidget(inside, 100)
         middle.addStretch(1)
         area.setWidget(holder)
+        for plain in (holder, area.viewport()):
+            plain.setAutoFillBackground(False)
         low = QHBoxLayout()
         low.addStretch(1)
         low.addLayout(self.row, 100)
@@ -79,6 +81,7 @@ class Notice(QWidget):
         for label, words in ((self.heading, heading), (self.text, text), (self.more, more), (self.trouble, trouble)):
             label.setText(words)
             label.setVisible(bool(words))
+        self.area.verticalScrollBar().setValue(0)
         self.field.setVisible(bool(field))
         self.field.setPlaceholderText(field)
         self.field.setAccessibleName(field)
@@ -105,12 +108,16 @@ class Notice(QWidget):
         return button
 
     def press(self, key: int) -> bool:
-        """Do what this key is for here, if anything; Enter is for the button that has the focus, if one has."""
+        """Do what this key is for here, if anything; Enter is for the button that has the focus, arrows scroll."""
         if key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
             focused = next((button for button in self.buttons if button.hasFocus()), None)
             if focused is not None:
                 focused.click()
                 return True
+        if key in SCROLL:
+            bar = self.area.verticalScrollBar()
+            bar.setValue(bar.value() + round(SCROLL[Qt.Key(key)] * self.area.height()))
+            return True
         found = next((choice for choice in self.choices if key in choice.keys), None)
         if found is not None:
             found.act()

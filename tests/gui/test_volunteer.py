@@ -322,6 +322,22 @@ def test_everything_can_be_reached_by_tab_and_has_a_name(qtbot, windows, path, m
     assert list(current(path).values()) == ["wrong"]
 
 
+def test_a_long_guideline_is_scrolled_by_keys_and_shown_as_plain_text(qtbot, windows, path, make_bar):
+    make_study(path, make_bar, practice=0, gold=0, joins=0)
+    with sqlite3.connect(path) as connection:
+        connection.execute("UPDATE study SET guideline = ?", ("<img src='x.png'>\n" * 80,))
+    window = windows(path)
+    press(qtbot, window, K.Key_Question)
+    bar = window.screen.notice.area.verticalScrollBar()
+    assert "&lt;img" in window.screen.notice.more.text()
+    qtbot.waitUntil(lambda: bar.maximum() > 0)
+    assert bar.value() == 0
+    press(qtbot, window, K.Key_PageDown)
+    assert bar.value() > 0
+    press(qtbot, window, K.Key_Escape)
+    assert window.screen.asking
+
+
 def test_a_key_that_is_held_down_counts_once(qtbot, windows, path, make_bar):
     from PySide6.QtCore import QEvent
     from PySide6.QtGui import QKeyEvent

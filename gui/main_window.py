@@ -129,7 +129,7 @@ class MainWindow(QMainWindow):
     def _connect(self) -> None:
         self.session.changed.connect(self._changed)
         self.judging.failed.connect(self.say)
-        self.results.volunteers.wanted.connect(self.studies.command)
+        self.results.volunteers.wanted.connect(self.studies.people.command)
         self.results.disputed.opened.connect(self.studies.show_disputed)
         self.shapes.view.files_dropped.connect(self.files.drop)
         self.shapes.automatic.numbered.connect(self.automatic.number)

@@ -24,7 +24,7 @@ def sorted_drop(paths: Iterable[str]) -> tuple[list[str], list[str], list[str]]:
     kinds: tuple[list[str], list[str], list[str]] = ([], [], [])
     for path in paths:
         ending = Path(path).suffix.lower()
-        kinds[{".seg": 1, ".db": 2, ".study": 2, ".concord": 2}.get(ending, 0)].append(path)
+        kinds[{".seg": 1, ".db": 2, ".study": 2, ".packet": 2}.get(ending, 0)].append(path)
     return kinds
 
 
@@ -105,6 +105,9 @@ class Files(QObject):
         puzzle."""
         from engine.shapes.meshfile import MESH_SUFFIXES
 
+        if len(paths) == 1 and Path(paths[0]).suffix == ".concord":
+            self.window.studies.open(paths[0])
+            return
         if self.window.collection.takes(paths):
             self.window.collection.open(paths)
             return

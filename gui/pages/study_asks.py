@@ -15,12 +15,13 @@ INVITE_LEAD = ("This command is for that volunteer alone: the address in it hold
                "With it one can vote and see the matches, and nothing else.")  # fmt: skip
 FORGET_LEAD = ("For volunteers who ask for it. The code leaves the study and its backups for good, and no later merge brings it "
                "back. This cannot be undone.")  # fmt: skip
+EXPORT_LEAD = "Every vote, match, result and majority as a table for other programs, and a dictionary of what each column means."
 EXPORT_FIELDS = (
-    "Every vote, match, result and majority as a table for other programs, and a dictionary that says what each column means.",
-    (Field("csv", "CSV, for spreadsheets and R", "switch", True), Field("jsonl", "JSON Lines", "switch"),
-     Field("parquet", "Parquet, for pandas and DuckDB", "switch"),
-     Field("gold", "With the known answers of gold matches", "switch", help="Keep these from whoever is still to vote.")),
+    Field("csv", "CSV, for spreadsheets and R", "switch", True), Field("jsonl", "JSON Lines", "switch"),
+    Field("parquet", "Parquet, for pandas and DuckDB", "switch"),
+    Field("gold", "With the known answers of gold matches", "switch", help="Keep these from whoever is still to vote."),
 )  # fmt: skip
+STUDIES = "Studies (*.db *.study *.packet)"
 
 
 def formats_of(values: Mapping[str, Any]) -> list[str]:
@@ -28,7 +29,7 @@ def formats_of(values: Mapping[str, Any]) -> list[str]:
     return [name for name in ("csv", "jsonl", "parquet") if values[name]]
 
 
-def ARCHIVE_FIELDS(file: str) -> tuple[str, tuple[Field, ...]]:
+def archive_fields(file: str) -> tuple[str, tuple[Field, ...]]:
     """Words and fields for an archive."""
     return ("One zip with the study, its exports and what each file hashes to; Concord opens it again anywhere.",
             (Field("file", "File", "save", file),

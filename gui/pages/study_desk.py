@@ -1,4 +1,4 @@
-"""The researcher's commands on studies: new, open, on a server, top up, packets, exports. What is long is a job."""
+"""The researcher's commands on studies: new, open, on a server, top up. What is long is a job."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -12,21 +12,10 @@ from engine.progress import Progress
 
 from ..folders import data_folder
 from ..jobs import QUEUE, Jobs
-from .ask_dialog import AskDialog, show_secret
-from .judging import checked_code
-from .study_asks import (
-    ARCHIVE_FIELDS,
-    EXPORT_FIELDS,
-    FORGET_LEAD,
-    INVITE_LEAD,
-    SERVER_FIELDS,
-    SERVER_LEAD,
-    formats_of,
-    free_file,
-    invite_fields,
-    packet_fields,
-    top_up_fields,
-)
+from .ask_dialog import AskDialog
+from .study_asks import SERVER_FIELDS, SERVER_LEAD, STUDIES, free_file, top_up_fields
+from .study_exports import StudyExports
+from .study_people import StudyPeople
 from .study_sources import Source, shown_sources
 from .study_watch import StudyWatch
 
@@ -35,8 +24,6 @@ if TYPE_CHECKING:
     from .study_wizard import Wanted
 
 NO_STUDY = "No study is open; make one with Study > New study, or open one with Study > Open study."
-STUDIES = "Studies (*.db *.study *.concord)"
-REPORTS = {"csv": "CSV tables (*.csv)", "markdown": "Markdown (*.md)", "latex": "LaTeX (*.tex)", "html": "Web pages (*.html)"}
 
 
 class StudyDesk(QObject):
@@ -50,6 +37,7 @@ class StudyDesk(QObject):
         self.jobs.idle.connect(self._refresh_after_stop)
         window.status.follow(self.jobs)
         self.watch = StudyWatch(window.judging, self)
+        self.people, self.exports = StudyPeople(self), StudyExports(self)
         self._stopped, self._wanted = False, ""
         window.session.changed.connect(self._select_wanted)
         self._warned: set[str] = set()
@@ -80,12 +68,14 @@ class StudyDesk(QObject):
         self.window.judging.refresh()  # which counts anew what is judged; the sentence comes after that
         self.window.judging.ask(lambda _: None, lambda _: self.window.status.text.setText(sentence))
 
-    def _ask(self, *asked: Any, **more: Any) -> AskDialog:
+    def ask(self, *asked: Any, **more: Any) -> AskDialog:
+        """Show a dialog that asks for a few things."""
         dialog = AskDialog(self.window, *asked, **more)
         dialog.open()
         return dialog
 
-    def _has_study(self) -> bool:
+    def has_study(self) -> bool:
+        """Whether a whole study is open; says what to do where it is not."""
         if self.handle is None:
             self.window.say(NO_STUDY)
         elif self.handle.volunteer is not None:
@@ -174,7 +164,7 @@ class StudyDesk(QObject):
             with_password(values["address"], values["password"] or "-")
             return ""
 
-        dialog = self._ask("Open a study on a server", SERVER_LEAD, SERVER_FIELDS, "Open", check)
+        dialog = self.ask("Open a study on a server", SERVER_LEAD, SERVER_FIELDS, "Open", check)
         dialog.given.connect(lambda values: self.open(with_password(values["address"], values["password"])))
 
     def open(self, where: Path | str) -> None:
@@ -199,13 +189,13 @@ class StudyDesk(QObject):
         """Put what the window shows into the study, and ask what is not asked yet."""
         from annotation.studyruns import unasked
 
-        if not self._has_study():
+        if not self.has_study():
             return
         handle, sources = self.handle, self.sources()
 
         def ask(found: Any) -> None:
             lead, fields = top_up_fields(sources, found, free_file(self.folder, study_name(handle.where) + " top-up"))
-            dialog = self._ask("Top up the study", lead, fields, "Top up")
+            dialog = self.ask("Top up the study", lead, fields, "Top up")
             dialog.given.connect(lambda values: self._top_up(sources, values))
 
         self.jobs.start("ask", lambda _: unasked(handle), ask, policy=QUEUE)
@@ -217,146 +207,6 @@ class StudyDesk(QObject):
             self.run("Topping up", lambda h, p: work.unjudged_study(h, p, sources, Path(values["file"]), values["most"]))
         else:
             self.run("Topping up", lambda h, p: work.topped_up(h, p, sources, values["most"]))
-
-    def command(self, name: str, code: str) -> None:
-        """A command of the overview of volunteers."""
-        {"packet": self.send_packet, "merge": lambda _: self.take_in(), "invite": lambda _: self.invite(),
-         "adjudicate": self.adjudicate, "forget": self.forget}[name](code)  # fmt: skip
-
-    def send_packet(self, code: str = "") -> None:
-        """Ask for whom, and write what that volunteer is asked into one file."""
-        from . import study_work as work
-
-        if not self._has_study():
-            return
-        codes = tuple(row.code for row in self.window.results.volunteers.rows)
-
-        def check(values: Any) -> str:
-            checked_code(values["code"])
-            return "" if values["file"] else "Choose where the packet is written."
-
-        lead, fields = packet_fields(code, codes, self.folder, study_name(self.handle.where))
-        dialog = self._ask("Send a packet", lead, fields, "Write the packet", check)
-        dialog.given.connect(lambda v: self.run(
-            "Packing", lambda h, p: work.packet(h, p, checked_code(v["code"]), Path(v["file"]), v["items"])))  # fmt: skip
-
-    def take_in(self) -> None:
-        """Ask for a returned packet or another copy of the study, and merge it."""
-        from . import study_work as work
-
-        if not self._has_study():
-            return
-        path, _ = QFileDialog.getOpenFileName(self.window, "Take in a returned file", str(self.folder), STUDIES + ";;All files (*)")
-        if path:
-            self.run("Taking in", lambda h, p: work.take_in(h, p, Path(path)))
-
-    def invite(self) -> None:
-        """Register a volunteer; on a server, make their personal address and show it once."""
-        from annotation.invitations import invite, register
-        from annotation.postgres import StudyServer
-
-        if not self._has_study():
-            return
-        handle = self.handle
-
-        def work(values: Any) -> str:
-            if isinstance(handle, StudyServer):
-                return invite(handle, values["code"], adjudicator=values["adjudicator"], again=values["again"])
-            register(handle, values["code"], adjudicator=values["adjudicator"])
-            return ""
-
-        def done(values: Any, address: str) -> None:
-            self.say_done(f"{values['code']} may vote.")
-            if address:
-                show_secret(self.window, f"Address of {values['code']}", INVITE_LEAD, f"concord vote '{address}'")
-
-        fields = invite_fields(server=isinstance(handle, StudyServer))
-        dialog = self._ask("Invite a volunteer", "", fields, "Invite", lambda values: checked_code(values["code"]) and "")
-        dialog.given.connect(lambda values: self.jobs.start(
-            "study", lambda _: work(values), lambda address: done(values, address), words="Inviting", policy=QUEUE))  # fmt: skip
-
-    def adjudicate(self, code: str) -> None:
-        """Let a volunteer judge what stays unresolved, or no longer."""
-        from annotation.volunteers import make_adjudicator
-
-        rows = {row.code: row.adjudicates for row in self.window.results.volunteers.rows}
-        on = not rows.get(code, False)
-
-        def work(handle: StudyHandle, _: Progress) -> str:
-            make_adjudicator(handle, code, adjudicates=on)
-            return f"{code} is asked about unresolved matches alone." if on else f"{code} is asked like everybody again."
-
-        if code and self._has_study():
-            self.run("Naming an adjudicator", work)
-
-    def forget(self, code: str) -> None:
-        """Ask once more, then delete a volunteer who asks for it."""
-        from . import study_work as work
-
-        if not code or not self._has_study():
-            return
-
-        def check(values: Any) -> str:
-            return "" if values["code"] == code else f"Write {code} to delete this volunteer."
-
-        fields = invite_fields(server=False, forget=True)
-        dialog = self._ask(f"Delete {code}", FORGET_LEAD, fields, "Delete", check)
-        dialog.given.connect(lambda v: self.run("Deleting", lambda h, p: work.forgotten(h, p, code, v["votes"])))
-
-    # --- what leaves the study
-
-    def report(self, style: str) -> None:
-        """Ask where to, and write what the votes say."""
-        from . import study_work as work
-
-        if not self._has_study():
-            return
-        page = self.window.results
-        ending = work.ENDINGS[style]
-        start = self.folder / f"{study_name(self.handle.where)}.{ending}"
-        path, _ = QFileDialog.getSaveFileName(self.window, "Export the results", str(start), REPORTS[style])
-        if path:
-            path = path if Path(path).suffix else f"{path}.{ending}"
-            self.run("Writing", lambda h, p: work.report(h, p, Path(path), style, page.section, page.preset))
-
-    def datasheet(self) -> None:
-        """Ask where to, and write all that a Human Evaluation Datasheet asks and the study knows."""
-        from . import study_work as work
-
-        if not self._has_study():
-            return
-        start = self.folder / f"{study_name(self.handle.where)} datasheet.md"
-        path, _ = QFileDialog.getSaveFileName(self.window, "Human Evaluation Datasheet", str(start), "Markdown (*.md);;JSON (*.json)")
-        if path:
-            self.run("Writing", lambda h, p: work.datasheet(h, p, Path(path)))
-
-    def export(self) -> None:
-        """Ask for formats and a folder, and write all votes, matches and results as tables."""
-        from . import study_work as work
-
-        if not self._has_study():
-            return
-
-        def check(values: Any) -> str:
-            return "" if formats_of(values) else "Tick at least one kind of file."
-
-        def go(values: Any) -> None:
-            folder = QFileDialog.getExistingDirectory(self.window, "Folder for the tables", str(self.folder))
-            if folder:
-                self.run("Exporting", lambda h, p: work.exported(h, p, Path(folder), formats_of(values), values["gold"]))
-
-        dialog = self._ask("Export votes and matches", EXPORT_FIELDS[0], EXPORT_FIELDS[1], "Choose a folder…", check)
-        dialog.given.connect(go)
-
-    def archive(self) -> None:
-        """Ask where to, and pack the whole study into one zip."""
-        from . import study_work as work
-
-        if not self._has_study():
-            return
-        fields = ARCHIVE_FIELDS(free_file(self.folder, study_name(self.handle.where), ".zip"))
-        dialog = self._ask("Archive the study", fields[0], fields[1], "Pack")
-        dialog.given.connect(lambda v: self.run("Packing", lambda h, p: work.archived(h, p, Path(v["file"]), v["anonymous"])))
 
     def show_disputed(self, item: str) -> None:
         """Open the pair of a disputed match on the page of shapes, with the match selected."""

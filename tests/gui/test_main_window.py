@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QLabel, QPushButton
+from sqlalchemy import delete
 
-from annotation import study
+from annotation import schema, study
 from engine.shapes import matching
 from engine.shapes.families.collection import off_text
 from engine.shapes.meshfile import load_shape
@@ -538,6 +539,12 @@ def test_the_voting_page_finds_shapes_again_or_says_which_are_missing(ready, qtb
     ready.study.desk._kept.clear()
     with open(files[0], "w") as file:
         file.write("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    ready.show_page("study")
+    settle(ready, qtbot)
+    assert ready.study.question is not None  # the study keeps the shapes of what was added to it
+    ready.study.desk._kept.clear()
+    with ready.judging.handle.writing() as connection:
+        connection.execute(delete(schema.blob))
     ready.show_page("study")
     settle(ready, qtbot)
     assert ready.study.question is None

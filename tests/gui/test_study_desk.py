@@ -12,6 +12,7 @@ from research_world import judged_study, runs_of_bars
 from annotation import study
 from annotation.proposals import add_run
 from annotation.studyruns import Unasked, item_count
+from engine.shapes.families.collection import off_text
 from gui.main_window import MainWindow
 from gui.pages import study_work
 from gui.pages.ask_dialog import AskDialog, Field
@@ -186,6 +187,45 @@ def test_votes_of_another_window_are_read_without_being_asked(bars, qtbot):
     qtbot.waitUntil(lambda: bars.session.state.verdicts.get(bars.items[3]) == "wrong", timeout=10_000)
     settle(bars, qtbot)
     assert {row.wrong for row in bars.results.content.rows} == {1}
+
+
+def test_a_project_folder_that_is_dropped_is_opened(window, qtbot, tmp_path):
+    study.create_study(tmp_path / "a.concord", name="a").close()
+    window.files.drop([str(tmp_path / "a.concord")])
+    qtbot.waitUntil(lambda: "a.concord" in window.session.state.study)
+    assert window.page == "shapes"
+
+
+def test_a_disputed_match_opens_its_pair_with_the_match_selected(window, qtbot, tmp_path, make_bar):
+    folder = tmp_path / "bars"
+    folder.mkdir()
+    files = []
+    for sections, name in ((5, "long"), (4, "short")):
+        files.append(folder / f"{name}.off")
+        files[-1].write_text(off_text(make_bar(sections).mesh))
+        files[-1].with_suffix(".seg").write_text("\n".join(map(str, make_bar(sections).segmentation.labels)))
+    window.files.pair(*map(str, files))
+    settle(window, qtbot)
+    window.judging.enrol()
+    settle(window, qtbot)
+    disputed = window.session.state.result.ids[1]
+    for code, answer in (("anna", "correct"), ("ben", "wrong")):
+        study.record_vote(window.judging.handle, disputed, code, answer)
+    window.session.update(selected="")
+    window.show_page("results")
+    window.results.choose("disputed")
+    settle(window, qtbot)
+    window.results.disputed.open_button.click()
+    settle(window, qtbot)
+    settle(window, qtbot)
+    assert window.page == "shapes"
+    assert window.session.state.selected == disputed
+    files[0].unlink()
+    window.show_page("results")
+    settle(window, qtbot)
+    window.results.disputed.open_button.click()
+    settle(window, qtbot)
+    assert "are not where they were" in window.messages.text.text()
 
 
 # --- the open study

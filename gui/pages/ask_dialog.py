@@ -105,6 +105,7 @@ class AskDialog(QDialog):
             box.setRange(0, 1_000_000)
             box.setValue(int(field.value or 0))
             box.setFixedWidth(112)
+            box.setAlignment(Qt.AlignmentFlag.AlignRight)
             return box
         if field.kind == "choice":
             combo = QComboBox(self, editable=True)

@@ -114,6 +114,7 @@ class Row(QWidget):
         unit = "%" if self.percent else "s" if info.unit == "s" else ""
         editor.setSuffix(f" {unit}" if unit else "")
         editor.setFixedWidth(EDITOR_WIDTH)
+        editor.setAlignment(Qt.AlignmentFlag.AlignRight)
         return editor
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:

@@ -27,11 +27,16 @@ class Mark(NamedTuple):
 
 
 def placed(marks: Sequence[Mark]) -> list[tuple[float, int, Mark]]:
-    """Where each mark stands: its abscissa (groups at 0, 1, …; series side by side), and the row of its series."""
+    """Where each mark stands: its abscissa (groups at 0, 1, …; their series side by side), and the row of its series."""
     groups, series = names(marks)
     step = SPREAD / max(1, len(series))
-    left = -step * (len(series) - 1) / 2
-    return [(groups.index(m.group) + left + step * series.index(m.series), series.index(m.series), m) for m in marks]
+    beside = {group: [name for name in series if any(m[:2] == (group, name) for m in marks)] for group in groups}
+
+    def at(mark: Mark) -> float:
+        here = beside[mark.group]
+        return groups.index(mark.group) + step * (here.index(mark.series) - (len(here) - 1) / 2)
+
+    return [(at(mark), series.index(mark.series), mark) for mark in marks]
 
 
 def names(marks: Sequence[Mark]) -> tuple[list[str], list[str]]:

@@ -26,15 +26,18 @@ from .plots import IntervalPlot, Mark, legend
 from .quiet_table import fill, quiet_table
 from .results_tables import TablesView
 
-HEADS = ("method", "preset", "set", "pairs", "judged", "✓", "✗", "tie", "precision", "95 % interval", "volunteers")
+HEADS = ("method", "preset", "set", "pairs", "judged", "✓", "✗", "tie", "unresolved", "precision", "95 % interval",
+         "volunteers")  # fmt: skip
 INTERVAL = HEADS.index("95 % interval")
 _TIPS = {
     "preset": "The preset of shapes, the measure of puzzles", "pairs": "Pairs of shapes, or puzzles",
     "judged": "Matches with a vote for or against, of all matches", "✓": "Correct by majority", "✗": "Wrong by majority",
-    "tie": "As many for as against; a tie stays a tie", "precision": "Correct of those decided",
+    "tie": "As many for as against; a tie stays a tie", "unresolved": "Of the matches with a vote, those without a majority",
+    "precision": "Correct of those decided",
     "95 % interval": "The pair, or the puzzle, is the unit of sampling; the paler line takes all undecided ones as wrong or right",
 }  # fmt: skip
 _WORDS = 3
+MOST_OF_THESIS = 330  # pixels of the table of the thesis beside the plot
 _ROW = Qt.ItemDataRole.UserRole
 
 
@@ -49,8 +52,9 @@ def cells(row: PrecisionRow) -> tuple[str, ...]:
     """The texts of a row, in the order of `HEADS`; the interval is drawn."""
     preset = (row.preset or "–") + ("*" if row.parameter_sets > 1 else "")
     micro = "–" if row.micro is None else share_text(row.micro)
+    left = "–" if row.unresolved is None else f"{100 * row.unresolved:.0f} %"
     return (row.method, preset, row.set_name or "–", str(row.pairs), f"{row.judged} of {row.matches}", str(row.correct),
-            str(row.wrong), str(row.tie), micro, "", str(row.volunteers))  # fmt: skip
+            str(row.wrong), str(row.tie), left, micro, "", str(row.volunteers))  # fmt: skip
 
 
 def interval_text(row: PrecisionRow) -> str:
@@ -150,6 +154,7 @@ class PrecisionSection(QWidget):
         self.as_thesis.setVisible(thesis)
         if isinstance(content, Findings):
             self.as_thesis.show_tables(tables(content, "precision"))
+            self.as_thesis.setMinimumHeight(min(self.as_thesis.widget().sizeHint().height() + 4, MOST_OF_THESIS))
             self._plot((*content.rows, *content.chosen))
             return bool(content.rows or content.chosen)
         self.content = content

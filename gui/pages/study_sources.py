@@ -76,7 +76,8 @@ def shown_sources(state: "State", collection: "CollectionState | None", puzzle: 
     if collection is not None and collection.found is not None:
         results = [result for result in collection.found.results if len(result.ids)]
         if results:
-            runs = tuple(_run(result, "collection") for result in results)
+            folder = Path(collection.found.shapes[0].file).resolve().parent.name
+            runs = tuple(_run(result, folder) for result in results)
             found.append(Source("The collection that is open", runs, tuple(collection.found.shapes)))
     if puzzle is not None and puzzle.solution is not None and len(puzzle.solution.joins):
         run = solution_run(puzzle.puzzle, puzzle.solution, puzzle.puzzle.name, guided=bool(puzzle.wishes))

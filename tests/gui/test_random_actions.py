@@ -58,7 +58,7 @@ class Hands:
         window.segments.ask = lambda _text, _more, answers: rng.choice(list(answers))
         self.commands = [row.id for row in actions.TABLE if row.id not in ("quit", "solve", "alone")]
         self.kinds = (self.command, self.command, self.command, self.slide, self.prefer, self.look, self.segment, self.support,
-                      self.part, self.edit_segments, self.number, self.collection_value, self.drop)  # fmt: skip
+                      self.part, self.edit_segments, self.number, self.collection_value, self.drop, self.results)  # fmt: skip
 
     def __call__(self):
         self.rng.choice(self.kinds)()
@@ -114,6 +114,12 @@ class Hands:
                               if self.window.collection.page.made else [None])  # fmt: skip
         if row is not None:
             row.slider.setValue(self.rng.randint(0, row.slider.maximum()))
+
+    def results(self):
+        page = self.window.results
+        self.window.show_page("results")
+        self.rng.choice((*page.bar.buttons.values(), page.precision.thesis)).click()
+        page.volunteers.buttons[self.rng.choice(("packet", "merge", "invite"))].click()
 
     def drop(self):
         broken = self.meshes[0].replace("long.off", "broken.off")

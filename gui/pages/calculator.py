@@ -15,6 +15,7 @@ from engine.parameters import checked
 
 from .arrange import share_text
 from .design_form import DesignForm
+from .study_sources import hours_text
 
 CAPTIONS = {
     "half_width": "Half width of the interval", "confidence": "Confidence", "precision": "Precision expected",
@@ -49,7 +50,7 @@ def needed_text(found: Needed, expected: Expectations) -> str:
     """What a wanted interval takes, in a few lines."""
     return (f"{found.pairs} pairs with {found.matches} matches, expected to give "
             f"[{share_text(found.low)},\u00a0{share_text(found.high)}]\n"
-            f"about {found.votes} votes, {found.hours_each:.1f} h for each of {expected.volunteers}")  # fmt: skip
+            f"about {found.votes} votes, {hours_text(found.hours_each)} for each of {expected.volunteers}")  # fmt: skip
 
 
 def given_text(matches: int, pairs: int, expected: Expectations) -> str:

@@ -56,6 +56,7 @@ class Judging(QObject):
         self.session, self.jobs = session, jobs
         self.handle: study.StudyHandle | None = None
         self.saving = self.advancing = False
+        self._own = ""
         self._enrolled: set[int] = set()
         self._kept: list[MatchResult] = []
         self._since = time.monotonic()
@@ -74,7 +75,7 @@ class Judging(QObject):
         self._follow(lambda: handle)
 
     def _follow(self, opening: Callable[[], study.StudyHandle]) -> None:
-        code = self.session.state.volunteer
+        code = self._own or self.session.state.volunteer
 
         def work(_: Any) -> tuple[study.StudyHandle, Snapshot]:
             handle = opening()
@@ -90,12 +91,17 @@ class Judging(QObject):
                 before.close()
             self._enrolled.clear()
             self._kept.clear()
-            who = {"volunteer": self.handle.volunteer} if self.handle.volunteer else {}  # of a packet, or invited
-            self._take(snapshot, study=self.handle.where, **who)
+            self._take(snapshot, study=self.handle.where, **self._voter())
             self.opened.emit()
             self._enrol_if_judged(self.session.state)
 
         self.jobs.start("study", work, done, words="Opening the study", policy=QUEUE)
+
+    def _voter(self) -> dict[str, str]:
+        """Whose votes are taken from now on: in a packet or on an invitation that volunteer's, and the own again after it."""
+        only, own = self.handle.volunteer, self._own
+        self._own = (own or self.session.state.volunteer) if only else ""
+        return {"volunteer": only or own} if only or own else {}
 
     def answer(self, answer: str) -> None:
         """Commit an answer on the selected match, then go to the next without one; without a selection, go there."""

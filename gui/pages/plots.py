@@ -99,7 +99,7 @@ class IntervalPlot(QWidget):
         item.setLabel("left", self.axis, color=colours.soft_ink)
         item.showGrid(y=True, alpha=0.25)
         item.setXRange(-0.6, len(groups) - 0.4, padding=0)
-        item.setYRange(-0.02, 1.02, padding=0)
+        item.setYRange(-0.05, 1.05, padding=0)
 
     def _series(self, item: Any, row: int, colours: Theme) -> None:
         import pyqtgraph

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ..main_window import MainWindow
     from .study_wizard import Wanted
 
+LOOKING = "Looking at what the window shows …"
 NO_STUDY = "No study is open; make one with Study > New study, or open one with Study > Open study."
 
 
@@ -99,17 +100,22 @@ class StudyDesk(QObject):
                  failed: Callable[[str, str], None]) -> None:  # fmt: skip
             self.jobs.start("wizard", work, done, words=words, policy=QUEUE, failed=failed)
 
-        wizard = StudyWizard(self.sources(), read, own, str(data_folder()), self.window)
         data_folder().mkdir(parents=True, exist_ok=True)
+        wizard = StudyWizard((), read, own, str(data_folder()), self.window)
         wizard.wanted.connect(lambda wanted: self._create(wizard, wanted))
+        wizard.rejected.connect(lambda: self.jobs.cancel("create"))
         wizard.open()
+        wizard.results.look(LOOKING)
+        shown = self.sources()
+        self.jobs.start("shown", lambda _: shown(), lambda found: wizard.gone or wizard.results.add_all(found), policy=QUEUE)
         if handle is not None and handle.volunteer is None:
             self._estimate(wizard, handle)
 
-    def sources(self) -> list[Source]:
-        """What the pages show now and a study may be made of."""
+    def sources(self) -> Callable[[], list[Source]]:
+        """What finds (in a thread: there may be many matches) what the pages show now and a study may be made of."""
         window = self.window
-        return shown_sources(window.session.state, window.collection.session.state, window.puzzle.session.state)
+        states = window.session.state, window.collection.session.state, window.puzzle.session.state
+        return lambda: shown_sources(*states)
 
     def _estimate(self, wizard: Any, handle: StudyHandle) -> None:
         """The calculator begins with what the votes of the open study tell."""
@@ -191,14 +197,15 @@ class StudyDesk(QObject):
 
         if not self.has_study():
             return
-        handle, sources = self.handle, self.sources()
+        handle, shown = self.handle, self.sources()
 
-        def ask(found: Any) -> None:
+        def ask(answer: tuple[Any, list[Source]]) -> None:
+            found, sources = answer
             lead, fields = top_up_fields(sources, found, free_file(self.folder, study_name(handle.where) + " top-up"))
             dialog = self.ask("Top up the study", lead, fields, "Top up")
             dialog.given.connect(lambda values: self._top_up(sources, values))
 
-        self.jobs.start("ask", lambda _: unasked(handle), ask, policy=QUEUE)
+        self.jobs.start("ask", lambda _: (unasked(handle), shown()), ask, policy=QUEUE)
 
     def _top_up(self, sources: list[Source], values: Any) -> None:
         from . import study_work as work

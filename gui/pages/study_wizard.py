@@ -184,6 +184,7 @@ class StudyWizard(QDialog):
             self.show_step(self.number + 1)
             return
         self.next.setEnabled(False)
+        self.count.setText("Making the study …")
         self.wanted.emit(Wanted(self.results.chosen(), self.design(), self.known, self.place.place))
 
     def _problem(self) -> str:
@@ -215,6 +216,7 @@ class StudyWizard(QDialog):
     def failed(self, sentence: str) -> None:
         """The study could not be made: say why, and let it be changed."""
         self.next.setEnabled(True)
+        self.count.setText(counts_text(self._sources))
         self._say(sentence)
 
     # --- what was chosen
@@ -268,7 +270,7 @@ class StudyWizard(QDialog):
 
         def failed(sentence: str, _: str) -> None:
             if not self.gone:
-                self.results.busy.setText("")
+                self.results.look("")
                 self.error.setText(sentence)
 
         self.run(work, done, words, failed)

@@ -55,6 +55,11 @@ class ResultsStep(QWidget):
         column.addWidget(self.empty)
         column.addWidget(self.table, 1)
         column.addLayout(row)
+        self.add_all(sources)
+
+    def add_all(self, sources: Sequence[Source]) -> None:
+        """Put several results into the list."""
+        self.busy.setText("")
         for source in sources:
             self.add(source)
         self._show()
@@ -82,8 +87,13 @@ class ResultsStep(QWidget):
         self._show()
         self.changed.emit()
 
+    def look(self, words: str) -> None:
+        """Say that something is looked for."""
+        self.busy.setText(words)
+        self._show()
+
     def _show(self) -> None:
-        self.empty.setVisible(not self.sources)
+        self.empty.setVisible(not self.sources and not self.busy.text())
         self.table.setVisible(bool(self.sources))
 
     def chosen(self) -> tuple[Source, ...]:
@@ -122,7 +132,7 @@ class ResultsStep(QWidget):
         self._start(lambda progress: read_source(path, progress), path.name)
 
     def _start(self, work: Callable[[Progress], Source], name: str) -> None:
-        self.busy.setText(f"Reading {name} …")
+        self.look(f"Reading {name} …")
         self.reader(work, f"Reading {name}")
 
 

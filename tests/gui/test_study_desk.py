@@ -273,6 +273,9 @@ def test_a_packet_that_is_open_has_no_results_and_cannot_be_packed(bars, qtbot, 
     assert "one volunteer" in bars.results.empty.text()
     bars.actions_by_id["send-packet"].trigger()
     assert "dora alone" in bars.messages.text.text()
+    bars.judging.open()
+    qtbot.waitUntil(lambda: bars.session.state.study.endswith("my votes.db"))
+    assert bars.session.state.volunteer == "me"
 
 
 def test_an_adjudicator_is_named_and_unnamed(bars, qtbot):

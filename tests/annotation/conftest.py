@@ -24,7 +24,7 @@ def database(server) -> Iterator[str]:
     """The address of an empty database, as the superuser."""
     address = server.database()
     yield address
-    server.sql(f"DROP DATABASE {address.rpartition('/')[2]} WITH (FORCE)")
+    server.drop(address)
 
 
 @pytest.fixture(params=["file", "server"])

@@ -47,6 +47,10 @@ class Server(NamedTuple):
         self.sql(f"CREATE DATABASE {name} {sorting}")
         return self.url(name)
 
+    def drop(self, address: str) -> None:
+        """Remove a database that is needed no more; a server recovers the sooner the less there is."""
+        self.sql(f"DROP DATABASE {address.rpartition('/')[2]} WITH (FORCE)")
+
     def control(self, *arguments: str) -> None:
         """Tell `pg_ctl` to stop or start the server."""
         command = [self.binaries / "pg_ctl", "-D", self.folder / "data", "-w", "-l", self.folder / "log", *arguments]

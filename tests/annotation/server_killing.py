@@ -55,7 +55,9 @@ def kill_voting(server: Server, draw: random.Random) -> Outcome:
         voter.send_signal(signal.SIGKILL)
     ends = [voter.communicate(timeout=60) for voter in voters]
     cut = all(voter.returncode != 0 for voter in voters)
-    return judged(address, [one for output, _ in ends for one in told(output)], cut, unsaid=len(voters))
+    found = judged(address, [one for output, _ in ends for one in told(output)], cut, unsaid=len(voters))
+    server.drop(address)
+    return found
 
 
 def kill_merging(server: Server, folder: Path, draw: random.Random, votes: int = 500) -> Outcome:
@@ -77,7 +79,9 @@ def kill_merging(server: Server, folder: Path, draw: random.Random, votes: int =
     cut, begun = merger.returncode != 0, len(_kept(address))
     assert begun in (0, len(theirs)), "half a merge"
     merge(address, source)
-    return judged(address, theirs, cut)
+    found = judged(address, theirs, cut)
+    server.drop(address)
+    return found
 
 
 def judged(address: str, confirmed: Sequence[Told], cut: bool, *, unsaid: int = 0) -> Outcome:

@@ -29,6 +29,16 @@ def formats_of(values: Mapping[str, Any]) -> list[str]:
     return [name for name in ("csv", "jsonl", "parquet") if values[name]]
 
 
+def named(values: Mapping[str, Any]) -> str:
+    """Why nothing can be written to the file that was named, or ''."""
+    if not values["file"]:
+        return "Choose the file that is written."
+    path = Path(values["file"])
+    if path.exists():
+        return f"{path} exists already; choose another name."
+    return "" if path.absolute().parent.is_dir() else f"There is no folder {path.absolute().parent}; choose another one."
+
+
 def archive_fields(file: str) -> tuple[str, tuple[Field, ...]]:
     """Words and fields for an archive."""
     return ("One zip with the study, its exports and what each file hashes to; Concord opens it again anywhere.",

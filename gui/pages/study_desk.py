@@ -13,7 +13,7 @@ from engine.progress import Progress
 from ..folders import data_folder
 from ..jobs import QUEUE, Jobs
 from .ask_dialog import AskDialog
-from .study_asks import SERVER_FIELDS, SERVER_LEAD, STUDIES, free_file, top_up_fields
+from .study_asks import SERVER_FIELDS, SERVER_LEAD, STUDIES, free_file, named, top_up_fields
 from .study_exports import StudyExports
 from .study_people import StudyPeople
 from .study_sources import Source, shown_sources
@@ -202,7 +202,7 @@ class StudyDesk(QObject):
         def ask(answer: tuple[Any, list[Source]]) -> None:
             found, sources = answer
             lead, fields = top_up_fields(sources, found, free_file(self.folder, study_name(handle.where) + " top-up"))
-            dialog = self.ask("Top up the study", lead, fields, "Top up")
+            dialog = self.ask("Top up the study", lead, fields, "Top up", lambda v: named(v) if v["apart"] else "")
             dialog.given.connect(lambda values: self._top_up(sources, values))
 
         self.jobs.start("ask", lambda _: (unasked(handle), shown()), ask, policy=QUEUE)

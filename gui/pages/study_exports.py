@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QFileDialog
 from annotation.study import study_name
 
 from . import study_work as work
-from .study_asks import EXPORT_FIELDS, EXPORT_LEAD, archive_fields, formats_of, free_file
+from .study_asks import EXPORT_FIELDS, EXPORT_LEAD, archive_fields, formats_of, free_file, named
 
 if TYPE_CHECKING:
     from .study_desk import StudyDesk
@@ -66,5 +66,5 @@ class StudyExports(QObject):
         if not self.desk.has_study():
             return
         fields = archive_fields(free_file(self.desk.folder, study_name(self.desk.handle.where), ".zip"))
-        dialog = self.desk.ask("Archive the study", fields[0], fields[1], "Pack")
+        dialog = self.desk.ask("Archive the study", fields[0], fields[1], "Pack", named)
         dialog.given.connect(lambda v: self.desk.run("Packing", lambda h, p: work.archived(h, p, Path(v["file"]), v["anonymous"])))

@@ -13,7 +13,7 @@ from ..jobs import QUEUE
 from . import study_work as work
 from .ask_dialog import show_secret
 from .judging import checked_code
-from .study_asks import FORGET_LEAD, INVITE_LEAD, STUDIES, invite_fields, packet_fields
+from .study_asks import FORGET_LEAD, INVITE_LEAD, STUDIES, invite_fields, named, packet_fields
 
 if TYPE_CHECKING:
     from .study_desk import StudyDesk
@@ -39,7 +39,7 @@ class StudyPeople(QObject):
 
         def check(values: Any) -> str:
             checked_code(values["code"])
-            return "" if values["file"] else "Choose where the packet is written."
+            return named(values)
 
         lead, fields = packet_fields(code, codes, self.desk.folder, study_name(self.desk.handle.where))
         dialog = self.desk.ask("Send a packet", lead, fields, "Write the packet", check)

@@ -390,6 +390,9 @@ def test_votes_leave_as_tables_with_a_dictionary(bars, qtbot, tmp_path, monkeypa
 
 def test_archive_and_datasheet(bars, qtbot, tmp_path, monkeypatch):
     bars.actions_by_id["archive"].trigger()
+    assert "Choose" in fill(bars, file="")
+    assert "exists already" in fill(bars, file=tmp_path / "bars.db")
+    assert "no folder" in fill(bars, file=tmp_path / "no" / "a.zip")
     assert fill(bars, file=tmp_path / "a.zip", anonymous=True) == ""
     settle(bars, qtbot)
     assert (tmp_path / "a.zip").exists(), bars.messages.text.text()

@@ -16,7 +16,8 @@ from .questions import JoinQuestion, Question, Shapes, Unshowable, keep, load
 from .voting_queue import Queue
 from .voting_words import Feedback, feedback, unknown_trouble
 
-AHEAD, READ_AGAIN = 2, 20_000  # items made ready before they are wanted; ms between two looks at the study
+AHEAD, CHECKED = 2, 16  # items made ready before they are wanted, and those asked whether they are answered elsewhere
+READ_AGAIN = 20_000  # ms between two looks at the study
 
 Asked = Question | JoinQuestion
 
@@ -316,7 +317,7 @@ class VotingDesk(QObject):
                 again: Callable[[], None], answered: OpenItem | None = None) -> None:  # fmt: skip
         """Write to the study in the thread for votes, and see in passing which of the next ones need no asking any more."""
         handle, code = self.handle, self.code
-        following = [one for one in self._queue.upcoming(AHEAD + 14) if one != answered]
+        following = [one for one in self._queue.upcoming(CHECKED) if one != answered]
         self.saving, self._again = True, None
 
         def run(_: Any) -> tuple[Any, Needless]:

@@ -122,11 +122,6 @@ class VotingScreen(QWidget):
         """Ask something, with the answer that stands."""
         self.words.setText(question.words)
         joined = isinstance(question, JoinQuestion)
-        if isinstance(question, JoinQuestion):
-            self.join_view.set_picture(question.picture)
-        else:
-            self.view.present(question.pair)
-        self.stage.setCurrentWidget(self.join_view if joined else self.view)
         self._given, self._comment = given, ""
         self.comment.close_up()
         self.trouble.hide()
@@ -135,6 +130,12 @@ class VotingScreen(QWidget):
         self._count()
         self.small.show_for(shapes=not joined)
         self._return()
+        self.stage.setCurrentWidget(self.join_view if joined else self.view)
+        self.page.layout().activate()  # the views are chosen for the size that the shapes will have
+        if isinstance(question, JoinQuestion):
+            self.join_view.set_picture(question.picture)
+        else:
+            self.view.present(question.pair)
         self.watch.start()
 
     def _return(self) -> None:
@@ -152,6 +153,8 @@ class VotingScreen(QWidget):
 
     def _draw_ahead(self, question: Asked) -> None:
         if isinstance(question, Question):
+            if not self.view.isVisible():  # hidden by a join: as large as it will be
+                self.view.resize(self.join_view.size())
             self.view.draw_ahead(question.pair)
 
     def _practised(self, told: object) -> None:

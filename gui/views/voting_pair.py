@@ -50,6 +50,7 @@ class VotingPairView(MeshPairView):
         self._spare: PairDrawing | None = None
         self._ahead: ReadyPair | None = None
         self._left: list[int] = []  # what is still to be drawn ahead: -1 the set-up, then the two panes
+        self._aimed = self._spare_aimed = 0.0  # the width / height that the views of both pairs were chosen for
         self._drawer = QTimer(self, interval=_PAUSE)
         self._drawer.timeout.connect(self._draw_one)
 
@@ -76,8 +77,10 @@ class VotingPairView(MeshPairView):
         self._still.stop()
         if ready is self._ahead and -1 not in self._left and self._spare is not None:
             self._drawing, self._spare = self._spare, self._drawing
+            self._aimed, self._spare_aimed = self._spare_aimed, self._aimed
         else:
             self._set_up(self._drawing, ready)
+            self._aimed = self._aspect()
         self._ahead, self._left, self.ready = None, [], ready
         self._shown, self._shapes, self._pressed, self._dragged = True, [], None, None
         fresh = not any(pane.stale for pane in self._drawing.panes)
@@ -105,6 +108,7 @@ class VotingPairView(MeshPairView):
         piece = self._left.pop(0)
         if piece < 0:
             self._set_up(self._spare, self._ahead)
+            self._spare_aimed = self._aspect()
             return
         ratio = self.devicePixelRatioF()
         size = round(self.width() / 2 * ratio), round(self.height() * ratio)
@@ -146,8 +150,11 @@ class VotingPairView(MeshPairView):
         self._again()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """The chosen views fit the new size."""
+        """The chosen views fit the new size, also if it was not known when they were chosen."""
         super().resizeEvent(event)
+        if self._shown and self.ready is not None and not event.oldSize().isValid() and self._aimed != self._aspect():
+            self._aim(self._drawing, self.ready)
+            self._aimed = self._aspect()
         self._again()
 
     def sizeHint(self) -> QSize:

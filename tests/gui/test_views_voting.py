@@ -140,3 +140,22 @@ def test_the_turntable_runs_until_it_is_pressed_again_or_the_next_pair_comes(vie
     view.turn()
     view.present(ready_pair(scenes, ((1,), (1,))))
     assert not view.turning
+
+
+def test_views_fit_the_size_that_shapes_are_first_shown_in(qtbot, scenes):
+    ready, sizes = ready_pair(scenes, ((0,), (2,))), []
+    for early in (True, False):
+        view = VotingPairView()
+        qtbot.addWidget(view)
+        view.resize(160, 300)
+        if early:
+            view.present(ready)
+            view.resize(900, 300)
+        view.resize(900, 300)
+        view.show()
+        if not early:
+            view.present(ready_pair(scenes, ((0,), (2,))))
+        view.grab()
+        sizes.append(np.linalg.norm(view._drawing.panes[0].camera.position))
+        view.shutdown()
+    assert sizes[0] == pytest.approx(sizes[1])

@@ -45,6 +45,7 @@ class ResultsPage(QWidget):
         self.sections: dict[str, Any] = {name: getattr(self, name) for name, _ in CHOICES}
         self._known: tuple[StudyHandle, Findings] | None = None
         self._kept: Shapes = {}
+        self._votes = 0  # counts how often votes were read
         self.stack = QStackedWidget(self)
         for section in self.sections.values():
             self.stack.addWidget(section)
@@ -126,9 +127,14 @@ class ResultsPage(QWidget):
             found = known or findings(handle)
             return found._replace(preset=preset), found
 
+        votes = self._votes
+
         def done(answer: tuple[Any, Findings | None]) -> None:
-            if self.judging.handle is handle and self.bar.choice == name:
-                self._known = (handle, answer[1]) if answer[1] is not None else None
+            if self.judging.handle is not handle:
+                return
+            if answer[1] is not None and self._votes == votes:  # otherwise somebody voted meanwhile
+                self._known = handle, answer[1]
+            if self.bar.choice == name:
                 self._show(section, answer[0])
 
         self.jobs.start("results", work, done, words="Reading the votes", policy=FOLLOW)
@@ -155,7 +161,7 @@ class ResultsPage(QWidget):
             self.jobs.start("picture", lambda _: read_match(handle, item, kept), done, policy=FOLLOW)
 
     def _refresh(self) -> None:
-        self._known = None
+        self._known, self._votes = None, self._votes + 1
         if self.isVisible():
             self.begin()
 

@@ -149,6 +149,21 @@ def test_figures_follow_votes(judged):
     assert texts(section.view.tables[0]) != before
 
 
+def test_figures_are_worked_out_once_for_all_sections_and_never_kept_over_a_vote(judged, monkeypatch):
+    worked = []
+    monkeypatch.setattr("gui.pages.results.findings", lambda handle: worked.append(handle) or findings(handle))
+    for name in ("agreement", "compared", "disputed", "agreement"):
+        choose(judged, name)
+    assert len(worked) == 1
+    judged.bar.buttons["agreement"].click()
+    study.record_vote(judged.judging.handle, judged.items[1], "ben", "correct")
+    judged.judging.refresh()  # while the figures may still be on their way
+    judged.wait()
+    judged.wait()
+    section = choose(judged, "disputed")
+    assert [row.item for row in section.rows] == [judged.items[4]]
+
+
 def test_a_disputed_match_is_shown_when_it_is_picked(judged, qtbot):
     section = choose(judged, "disputed")
     assert [row.item for row in section.rows] == sorted([judged.items[1], judged.items[4]])

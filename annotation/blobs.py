@@ -1,11 +1,15 @@
 """The shapes that items show, kept in the study: it can be judged where its meshes are not."""
 
 import io
+import zipfile
+import zlib
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from sqlalchemy import Connection, insert, select
+
+from engine.errors import BadInput
 
 from . import schema
 from .handle import StudyHandle
@@ -75,6 +79,14 @@ def _packed(shape: "SegmentedShape") -> bytes:
 
 
 def _unpacked(content: bytes) -> "SegmentedShape":
+    """The shape of `_packed`; raises `BadInput` where its bytes are damaged."""
+    try:
+        return _read(content)
+    except (zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, EOFError, OSError, NotImplementedError, RuntimeError):
+        raise BadInput("A shape that is kept in the study is damaged; use a backup, or add its result again to a new study.") from None
+
+
+def _read(content: bytes) -> "SegmentedShape":
     from engine.shapes.mesh import Mesh
     from engine.shapes.segmentation import Segmentation, SegmentedShape
 

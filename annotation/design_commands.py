@@ -1,7 +1,8 @@
 """`concord study create`, `add`, `top-up`, `gold`, `practice`, `adjudicate` and `plan`: how a study is designed."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -124,7 +125,7 @@ def add(file: str, results: list[str], /, *, set_name: SetName = "", shapes: Tab
     """
     with progress_bar() as progress:
         read = _read(results, set_name, shapes or (), share(progress, 0.0, 0.9))
-        with open_study(file) as handle:
+        with _opened(file) as handle:
             warn_of_place(handle.where)
             with handle.writing() as connection:
                 runs = {insert_run(connection, run) for run in read.runs}
@@ -156,7 +157,7 @@ def top_up_command(file: str, new: str | None = None, /, *, most: int | None = N
     name
         Name of the new study.
     """
-    with open_study(file) as handle:
+    with _opened(file) as handle:
         if new is None:
             if name:
                 raise BadParameter("--name is for a new study; give its file too, or leave out --name.")
@@ -217,13 +218,22 @@ def adjudicate(file: str, code: str, /, *, end: Annotated[bool, Parameter(negati
     end
         Make an adjudicator an ordinary volunteer again.
     """
-    with open_study(file) as handle:
+    with _opened(file) as handle:
         made = make_adjudicator(handle, code, adjudicates=not end)
         waiting = sum(one.for_adjudicator for one in unresolved(handle))
     if end:
         print(f"{made.code} is asked as everybody is.")
     else:
         print(f"{made.code} adjudicates: {_count(waiting, 'match is', 'matches are')} unresolved now.")
+
+
+@contextmanager
+def _opened(file: str) -> Iterator[StudyHandle]:
+    """A whole study, open; raises `BadInput` for a packet, or the address of a volunteer, which no design goes into."""
+    with open_study(file) as handle:
+        if handle.volunteer is not None:
+            raise BadInput(f"{handle.where} is for {handle.volunteer} alone; give the study itself.")
+        yield handle
 
 
 class _Read(NamedTuple):
@@ -255,7 +265,7 @@ def _name_known(
     if most is not None and most < 0:
         raise BadParameter(f"{most} matches cannot be drawn; give a number from 0 on with --most.")
     known = knownanswers.read_known(answers) if answers is not None else _answers_of(source)
-    with open_study(file) as handle:
+    with _opened(file) as handle:
         made = name(handle, known, most)
     print(f"{handle.where}: {_count(made, f'{what} match', f'{what} matches')} more, of {_count(len(known), 'known answer')}.")
 

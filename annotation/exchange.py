@@ -18,6 +18,7 @@ from . import schema
 from .forgetting import bury, clean_backups, lay_to_rest
 from .handle import StudyHandle
 from .packets import shapes_shown
+from .payloads import read_payload
 from .study import open_study
 from .tombstones import Tombstone, read_tombstones
 from .topup import settle_probabilities
@@ -99,7 +100,7 @@ def _answered(packet: _Content) -> _Content:
     """Of a packet the items that have votes: what they refer to should its study not know it yet."""
     ids = {row["item_id"] for row in packet.events}
     items = [row for row in packet.tables["item"] if row["id"] in ids]
-    shown = [json.loads(row["payload"]) for row in items if row["kind"] == "shape"]
+    shown = [read_payload(row["payload"]) for row in items if row["kind"] == "shape"]
     return packet._replace(tables=packet.tables | {"item": items}, shapes=shapes_shown(shown, packet.shapes))
 
 

@@ -1,6 +1,7 @@
 """`concord study packet`, `export`, `forget`, `archive` and `unpack`: what leaves a study and what comes back."""
 
 from pathlib import Path
+from shlex import join
 from typing import Annotated
 
 from cyclopts import App, Parameter
@@ -14,7 +15,7 @@ from .exporting import FORMATS
 from .exporting import export as write_export
 from .forgetting import forget as forget_volunteer
 from .packets import make_packet
-from .study import open_study, volunteers
+from .study import open_study, shown_place, volunteers
 
 Flag = Annotated[bool, Parameter(negative=())]
 
@@ -43,7 +44,8 @@ def packet(study: str, volunteer: str, /, *, out: Path, items: int | None = None
         made = make_packet(handle, volunteer, out, items)
     more = f" and {made.practice} to practise on" if made.practice else ""
     print(f"{out}: {_count(made.items, 'match', 'matches')}{more} for {volunteer}, {out.stat().st_size / 1e6:.1f} MB.")
-    print(f"Voting: concord vote {out}. When it is back: concord study merge {study} {out}")
+    print(f"Voting: {join(['concord', 'vote', str(out)])}")
+    print(f"When it is back: {join(['concord', 'study', 'merge', shown_place(study), str(out)])}")
 
 
 def export(study: str, /, *, out: Path, format: str = "csv", gold: Flag = False) -> None:
@@ -86,7 +88,7 @@ def forget(study: str, volunteer: str, /, *, votes_too: Flag = False) -> None:
         left = _count(gone.removed, "vote or undo is gone", "votes and undos are gone")
     else:
         left = f"{_count(gone.kept, 'vote or undo stays', 'votes and undos stay')} as {gone.pseudonym}"
-    print(f"{study}: the volunteer is deleted; {left}.")
+    print(f"{shown_place(study)}: the volunteer is deleted; {left}.")
     for words, files in (("Rewritten", gone.backups.rewritten), ("Removed", gone.backups.removed)):
         if files:
             print(f"{words}: {', '.join(str(file) for file in files)}")

@@ -18,6 +18,7 @@ from . import schema
 from .blobs import keep_shapes, shape_key
 from .database import create_file
 from .handle import StudyHandle
+from .payloads import DAMAGED, read_payload, two_sides
 from .proposals import canonical
 from .records import OpenItem
 from .shownitems import shown_parts
@@ -94,7 +95,7 @@ def _embed(handle: StudyHandle, chosen: Sequence[OpenItem]) -> None:
     lost: set[str] = set()
     for one in chosen:
         shown = item(handle, one.item_id)
-        sides = [shown.payload[name] for name in ("source", "target")] if shown.kind == "shape" else []
+        sides = two_sides(shown.payload) if shown.kind == "shape" else ()
         if all(_keys_of(side, kept) for side in sides):
             continue
         try:
@@ -110,7 +111,7 @@ def _embed(handle: StudyHandle, chosen: Sequence[OpenItem]) -> None:
 
 def shapes_shown(payloads: Iterable[Mapping[str, Any]], keys: Collection[str]) -> list[str]:
     """Those of `keys` whose shapes are shown by items of shapes with these payloads, in order."""
-    return sorted({key for payload in payloads for side in payload.values() for key in _keys_of(side, keys)})
+    return sorted({key for payload in payloads for side in two_sides(payload) for key in _keys_of(side, keys)})
 
 
 def _keys_of(side: Mapping[str, Any], keys: Collection[str]) -> list[str]:
@@ -161,7 +162,11 @@ def _contents(connection: Connection, code: str, chosen: Sequence[OpenItem]) -> 
 
 
 def _blind_item(row: Row[Any]) -> Cells:
-    return {"id": row.id, "kind": row.kind, "payload": canonical(blinded(json.loads(row.payload))), "created_at": STAMP}
+    try:
+        shown = canonical(blinded(read_payload(row.payload)))
+    except (KeyError, TypeError):
+        raise BadInput(DAMAGED) from None
+    return {"id": row.id, "kind": row.kind, "payload": shown, "created_at": STAMP}
 
 
 def _blind_asked(item_id: str, told: Row[Any] | None) -> Cells:

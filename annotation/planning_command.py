@@ -47,14 +47,15 @@ def sentences(expected: Expectations, found: Needed, told: Container[str] = ()) 
     """What was found, and what it rests on, each value of `told` marked as the study's own."""
 
     def shown(name: str, text: str) -> str:
-        return text + (" (of the study's votes)" if name in told else "")
+        return text + (" (as in the study)" if name in told else "")
 
+    people = "1 volunteer" if expected.volunteers == 1 else f"{expected.volunteers} volunteers"
     return [
         f"{found.matches} judged matches of {found.pairs} pairs are needed for each method in the table.",
         f"The {100 * expected.confidence:g} % interval is then expected to be {100 * found.low:.1f} % to {100 * found.high:.1f} %.",
         f"That is {found.votes} votes, {found.votes_each:.2f} for each match ({found.gold} of them gold, which everybody "
         "is asked), and practice.",
-        f"It takes {found.hours:.1f} hours, {found.hours_each:.1f} for each of {expected.volunteers} volunteers.",
+        f"It takes {found.hours:.1f} hours" + (f", {found.hours_each:.1f} for each of {people}." if expected.volunteers > 1 else "."),
         "",
         "Expected:",
         "  " + shown("precision", f"precision {100 * expected.precision:.1f} %"),
@@ -63,5 +64,5 @@ def sentences(expected: Expectations, found: Needed, told: Container[str] = ()) 
         "  " + shown("disagreement", f"two volunteers differ on {100 * expected.disagreement:.1f} % of the matches"),
         "  " + shown("abstention", f"{100 * expected.abstention:.1f} % of the votes are unsure"),
         "  " + shown("seconds", f"{expected.seconds:.1f} s for a vote"),
-        "  " + shown("volunteers", f"{expected.volunteers} volunteers"),
+        "  " + shown("volunteers", people),
     ]

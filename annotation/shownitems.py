@@ -11,6 +11,7 @@ from engine.errors import BadInput, ConcordError
 
 from .blobs import kept_shapes
 from .handle import StudyHandle
+from .payloads import two_sides
 from .records import Item
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def shown_parts(handle: StudyHandle, item: Item) -> ShownParts:
     """
     from engine.shapes.identity import match_id
 
-    sides = [item.payload["source"], item.payload["target"]]
+    sides = two_sides(item.payload)
     found = [list(_marked(_candidates(handle, side), side["segments"])) for side in sides]
     for source, one, first in found[0]:
         for target, other, second in found[1]:

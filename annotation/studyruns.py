@@ -9,6 +9,7 @@ from sqlalchemy import func, select
 from . import schema
 from .blobs import kept_shapes, shape_key
 from .handle import StudyHandle
+from .payloads import read_payload
 from .records import Item, Proposal, Run
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ def runs_of_study(handle: StudyHandle) -> tuple[Run, ...]:
     """Every run with its proposals, best first; adding one to another study gives the same run and items there."""
     run, match = schema.run.c, schema.run_match.c
     with handle.reading() as connection:
-        items = {row.id: Item(row.id, row.kind, json.loads(row.payload)) for row in connection.execute(select(schema.item))}
+        items = {row.id: Item(row.id, row.kind, read_payload(row.payload)) for row in connection.execute(select(schema.item))}
         proposals: dict[str, list[Proposal]] = {}
         for row in connection.execute(select(schema.run_match).order_by(match.run_id, match.rank)):
             one = Proposal(items[row.item_id], row.score, row.votes, row.source_layer, row.target_layer)

@@ -101,11 +101,13 @@ def notes(rows: Sequence[PrecisionRow]) -> list[str]:
         told.append(f"Intervals: {'; '.join(methods)}. The pair, or the puzzle, is the unit of sampling.")
         if any(row.interval and row.interval.method.startswith(ONE_CLUSTER) for row in rows):
             told.append("The interval of a single pair or puzzle speaks of its own matches only, not of others.")
-        told.append("Precision is correct / (correct + wrong) by majority; a tie stays a tie and counts in the bounds.")
+        weighted = ", of what these stand for" if any(row.sampled for row in rows) else ""
+        told.append(f"Precision is correct / (correct + wrong) by majority{weighted}; a tie stays a tie and counts in the bounds.")
     if any(row.sampled for row in rows):
         told.append(
             "The study asks about a sample: every drawn match counts for 1 / p, p being the chance that it was drawn, and the "
-            "bounds take the undecided drawn ones as all wrong and all right."
+            "bounds take the undecided drawn ones as all wrong and all right. Judged matches that were not drawn, as gold ones may "
+            "be, are in the counts alone."
         )
         if any(row.later for row in rows):
             told.append(

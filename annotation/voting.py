@@ -16,6 +16,7 @@ from engine.errors import BadInput, BadParameter
 from . import schema
 from .handle import StudyHandle
 from .majority import ANSWERS, Majority, majority_of
+from .payloads import read_payload
 from .proposals import canonical
 from .records import Item, OpenItem, Practice, Volunteer, Vote, VotingProgress
 from .sampling import draw
@@ -243,7 +244,7 @@ def _append(connection: Connection, **values: Any) -> Vote:
 
 
 def _item(row: Row[Any]) -> Item:
-    return Item(row.id, row.kind, json.loads(row.payload))
+    return Item(row.id, row.kind, read_payload(row.payload))
 
 
 def _vote(row: Row[Any]) -> Vote:

@@ -5,6 +5,7 @@ import pytest
 from judging_world import study_of
 
 from annotation.blobs import keep_shapes, kept_shapes, shape_key
+from engine.errors import BadInput
 from engine.shapes.identity import mesh_id, node_id, segment_ids
 from engine.shapes.mesh import Mesh
 from engine.shapes.segmentation import Segmentation, SegmentedShape
@@ -38,3 +39,15 @@ def test_without_a_hash_of_the_segments_all_of_the_mesh_are_candidates(tmp_path,
         assert len(kept_shapes(handle, side(shape))) == 1
         assert kept_shapes(handle, {"sha256": "0" * 64}) == ()
     assert shape_key(side(shape)) != shape_key(side(other))
+
+
+@pytest.mark.parametrize("keep", [0, 10, 0.5])
+def test_a_shape_whose_bytes_are_damaged_is_told(tmp_path, shape, keep):
+    with study_of(tmp_path / "a.db") as handle:
+        keep_shapes(handle, [shape])
+        with handle.writing() as connection:
+            whole = bytes(connection.exec_driver_sql("SELECT content FROM blob").scalar_one())
+            broken = bytes(a ^ 255 if k % 40 == 0 else a for k, a in enumerate(whole)) if keep == 0.5 else whole[:keep]
+            connection.exec_driver_sql("UPDATE blob SET content = ?", (broken,))
+        with pytest.raises(BadInput, match="damaged"):
+            kept_shapes(handle, side(shape))

@@ -148,7 +148,7 @@ def test_a_plan_takes_what_a_study_tells(tmp_path, results, capsys):
     assert "500 judged matches of 50 pairs" in run(capsys, "plan")
     run(capsys, "create", tmp_path / "a.study", results, "--votes", 1)
     said = run(capsys, "plan", tmp_path / "a.study", "--half-width", "0.1", "--precision", "0.5")
-    assert "2 matches of one method on a pair (of the study's votes)" in said
+    assert "2 matches of one method on a pair (as in the study)" in said
     assert "precision 50.0 %\n" in said
     assert "1.05 for each match" in said  # one vote, and one more where it is unsure
     assert "it takes a number from 0.005 to 0.4" in fails(capsys, "plan", "--half-width", "2")

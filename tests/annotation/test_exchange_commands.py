@@ -1,7 +1,9 @@
 """`concord study packet`, `export`, `forget`, `archive`, `unpack`: what they print, and one sentence for what cannot be."""
 
+import shlex
+
 import pytest
-from exchange_world import ids_of, strip_study
+from exchange_world import content, ids_of, strip_study
 from test_command_line import fails, run
 
 from annotation import study
@@ -18,7 +20,7 @@ def test_a_packet_goes_out_and_comes_back(tmp_path, file, capsys):
     assert run("packet", file, "bert", "--out", tmp_path / "p.db", "--items", 2) == 0
     said = capsys.readouterr().out
     assert "2 matches for bert" in said
-    assert f"concord study merge {file} {tmp_path / 'p.db'}" in said
+    assert f"concord study merge {file} {tmp_path / 'p.db'}\n" in said
     with study.open_study(tmp_path / "p.db") as packet:
         first, second = (one.item_id for one in study.open_items(packet, "bert"))
         study.record_vote(packet, first, "bert", "wrong")
@@ -40,6 +42,44 @@ def test_what_a_packet_cannot_be_is_told(tmp_path, file, capsys):
     assert run("packet", tmp_path / "other.db", "bert", *out) == 0
     capsys.readouterr()
     assert "packet of another study" in fails(capsys, "merge", file, tmp_path / "p.db")
+
+
+def test_commands_to_be_copied_have_their_names_quoted(tmp_path, file, capsys):
+    out = tmp_path / "for bert [1].db"
+    assert run("packet", file, "bert", "--out", out) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert [shlex.split(line.split(": ", 1)[1]) for line in said[-2:]] == [
+        ["concord", "vote", str(out)], ["concord", "study", "merge", str(file), str(out)]]  # fmt: skip
+
+
+def test_no_design_goes_into_a_packet(tmp_path, file, capsys):
+    packet, known = tmp_path / "p.db", tmp_path / "known.csv"
+    assert run("packet", file, "bert", "--out", packet) == 0
+    known.write_text(f"item,answer\n{'0' * 64},correct\n")
+    before = content(packet)
+    for command in (("top-up",), ("gold", known), ("practice", known), ("adjudicate", "zoe")):
+        capsys.readouterr()
+        assert "for bert alone" in fails(capsys, command[0], packet, *command[1:])
+    assert content(packet) == before
+
+
+@pytest.mark.parametrize("payload", ["{", "[]", '{"source": 1}', '{"source": {"sha256": "a"}}', "[" * 100_000])
+def test_what_a_damaged_match_shows_is_told_and_nothing_is_handed_out(tmp_path, file, capsys, payload):
+    with study.open_study(file) as handle, handle.writing() as connection:
+        connection.exec_driver_sql("UPDATE item SET payload = ?", (payload,))
+    assert "damaged" in fails(capsys, "packet", file, "bert", "--out", tmp_path / "p.db")
+    assert not (tmp_path / "p.db").exists()
+    assert run("export", file, "--out", tmp_path / "tables") == 0
+
+
+def test_a_returned_packet_with_a_damaged_match_is_told(tmp_path, file, capsys):
+    assert run("packet", file, "bert", "--out", tmp_path / "p.db") == 0
+    with study.open_study(tmp_path / "p.db") as packet:
+        study.record_vote(packet, study.open_items(packet, "bert")[0].item_id, "bert", "wrong")
+        with packet.writing() as connection:
+            connection.exec_driver_sql("UPDATE item SET payload = '{}'")
+    capsys.readouterr()
+    assert "damaged" in fails(capsys, "merge", file, tmp_path / "p.db")
 
 
 def test_exports_name_their_files(tmp_path, file, capsys):

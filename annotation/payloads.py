@@ -1,0 +1,32 @@
+"""What an item shows, read from the text that a study file holds, which a stranger may have written."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from engine.errors import BadInput
+
+DAMAGED = "What a match of this study shows is damaged; use a backup, or ask for the file again."
+
+
+def read_payload(text: str) -> dict[str, Any]:
+    """The payload of an item; raises `BadInput` where the text is none."""
+    try:
+        payload = json.loads(text)
+    except (ValueError, RecursionError):
+        payload = None
+    if not isinstance(payload, dict):
+        raise BadInput(DAMAGED)
+    return payload
+
+
+def two_sides(payload: Mapping[str, Any]) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
+    """The source and the target of an item of shapes; raises `BadInput` where one lacks its mesh, file or segments."""
+    return _side(payload.get("source")), _side(payload.get("target"))
+
+
+def _side(side: Any) -> Mapping[str, Any]:
+    kinds = {"sha256": str, "file": str, "segments": list}
+    if not isinstance(side, dict) or not all(isinstance(side.get(name), kind) for name, kind in kinds.items()):
+        raise BadInput(DAMAGED)
+    return side

@@ -31,8 +31,8 @@ from gui.pages.arrange import (
 )
 from gui.pages.files import labels_for, sorted_drop
 from gui.pages.layers import Place, layer_words, node_list, step_layer, step_node
-from gui.pages.voting_words import progress_text
 from gui.pages.status import judged_text, left_text, seconds_text
+from gui.pages.voting_words import progress_text
 from gui.session import State
 
 A = Match("a", (0,), (1,), 1.0, 5, 1, 1, 0.95)

@@ -129,9 +129,9 @@ def found_again(handle: StudyHandle, item: Item, kept: Shapes) -> Sequence[tuple
 
 def load(handle: StudyHandle, code: str, one: OpenItem, question: str, kept: Shapes) -> Question | JoinQuestion | Unshowable:
     """An open item made ready to be drawn (in a thread). Raises `BadInput` where the study itself cannot be read."""
-    item, swapped = asked_item(handle, code, one.item_id)
-    words = question_words(question, item)
     try:
+        item, swapped = asked_item(handle, code, one.item_id)
+        words = question_words(question, item)
         if item.kind == "puzzle":
             return JoinQuestion(one, words, join_picture(item.payload))
         left, right = found_again(handle, item, kept)[:: -1 if swapped else 1]

@@ -251,6 +251,20 @@ def test_what_cannot_be_shown_is_counted_at_the_end_alone(qtbot, windows, path, 
     assert "8 matches cannot be shown here." in window.screen.notice.text.text()
 
 
+def test_a_damaged_match_or_shape_stops_nobody(qtbot, windows, path, make_bar):
+    make_study(path, make_bar, practice=0, gold=0, joins=2)
+    with sqlite3.connect(path) as connection:
+        ids = [row[0] for row in connection.execute("SELECT id FROM item WHERE kind = 'shape' ORDER BY id")]
+        for item, payload in zip(ids, ("{", "[]", "{}", '{"source": 1, "target": {}}'), strict=False):
+            connection.execute("UPDATE item SET payload = ? WHERE id = ?", (payload, item))
+        connection.execute("UPDATE blob SET content = x'504b0304' WHERE key = (SELECT MIN(key) FROM blob)")
+    window = windows(path)
+    press(qtbot, window, K.Key_J, K.Key_J)
+    assert heading(window) == "All done, thank you!"
+    assert "8 matches cannot be shown here." in window.screen.notice.text.text()
+    assert not window.screen.trouble.isVisible()
+
+
 def test_codes_are_asked_for_and_unknown_ones_refused_in_a_designed_study(qtbot, windows, path, make_bar):
     make_study(path, make_bar, votes=3)
     window = windows(path, "nobody", start=False)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import PurePosixPath, PureWindowsPath
 from typing import Any
 
+from .payloads import read_payload
 from .proposals import canonical
 from .tombstones import day
 
@@ -87,7 +88,7 @@ def _runs(rows: Rows) -> Rows:
 
 
 def _nameless(text: str) -> str:
-    return canonical(_without_folders(json.loads(text)))
+    return canonical(_without_folders(read_payload(text)))
 
 
 def _without_folders(value: Any) -> Any:
@@ -113,5 +114,5 @@ def _walked(value: Any, change: Callable[[Any], Any]) -> Any:
 
 def _plain(presentation: str) -> str:
     """How an item was shown, as far as it is numbers and yes or no."""
-    shown = json.loads(presentation)
+    shown = read_payload(presentation)
     return canonical({name: value for name, value in shown.items() if isinstance(value, int | float)})

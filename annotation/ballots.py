@@ -1,6 +1,5 @@
 """What the figures of a study are made of: proposals by the newest run of each method, votes that count, the sample."""
 
-import json
 from collections.abc import Mapping
 from pathlib import PurePath
 from typing import NamedTuple
@@ -9,6 +8,7 @@ from sqlalchemy import func, select
 
 from . import schema
 from .handle import StudyHandle
+from .payloads import read_payload
 
 Weights = Mapping[str, float]
 """What each drawn item stands for, 1 / p; items that are not in it were not drawn."""
@@ -88,5 +88,5 @@ def proposed_later(handle: StudyHandle) -> frozenset[str]:
 
 def _pair_name(source: str, target: str) -> str:
     """The files of the two inputs, or of the one puzzle, without their folders."""
-    files = (json.loads(side).get("file", "") for side in (source, target))
+    files = (str(read_payload(side).get("file", "")) for side in (source, target))
     return " – ".join(PurePath(file).name for file in files if file)

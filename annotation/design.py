@@ -1,6 +1,5 @@
 """The design of a study: which matches are asked, how often, and what checks the answers."""
 
-import json
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,6 +12,7 @@ from engine.progress import Progress, silent
 from . import schema
 from .blobs import insert_shapes
 from .handle import StudyHandle
+from .payloads import read_payload
 from .proposals import batched, insert_run, pair_id
 from .records import Run
 from .sampling import NOTHING, Drawn, Known, balanced, gold_wanted, overlapped, sample
@@ -218,7 +218,7 @@ def judged_counts(handle: StudyHandle) -> tuple[JudgedCount, ...]:
         of = items.get(row.id, [])
         open_to = [item for item in of if not roles or roles.get(item, "practice") != "practice"]
         judged = sum(item in decided and roles.get(item) != "practice" for item in of)
-        source, target = (json.loads(side).get("file", "") for side in (row.source, row.target))
+        source, target = (str(read_payload(side).get("file", "")) for side in (row.source, row.target))
         found.append(JudgedCount(row.id, row.method, row.preset, row.set_name, row.pair, source, target, len(of),
                                  len(open_to), judged))  # fmt: skip
     return tuple(found)

@@ -1,4 +1,4 @@
-"""What an item shows, read from the text that a study file holds, which a stranger may have written."""
+"""What items show and other values of a study, read from texts in its file, which a stranger may have written."""
 
 import json
 from collections.abc import Mapping
@@ -6,11 +6,11 @@ from typing import Any
 
 from engine.errors import BadInput
 
-DAMAGED = "What a match of this study shows is damaged; use a backup, or ask for the file again."
+DAMAGED = "What this study holds of a match or a result is damaged; use a backup, or ask for the file again."
 
 
 def read_payload(text: str) -> dict[str, Any]:
-    """The payload of an item; raises `BadInput` where the text is none."""
+    """The payload of an item, or another object of names and values; raises `BadInput` where the text is none."""
     try:
         payload = json.loads(text)
     except (ValueError, RecursionError):

@@ -1,6 +1,5 @@
 """A study's votes as the thesis's Tables 3.1 and 3.2 take them."""
 
-import json
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -8,6 +7,7 @@ from engine.errors import BadInput
 from engine.evaluation.tables import Table
 from engine.evaluation.thesis_tables import SetPrecision
 
+from .payloads import read_payload
 from .precision import ALL_SETS, PrecisionRow, Proposed, ballots, proposed, proposed_later, sample, tabulate
 from .study import open_study
 from .tabletext import as_table, row_name
@@ -47,7 +47,7 @@ def _layers(results: Iterable[Proposed]) -> dict[tuple[str, str, str], set[int]]
     """The numbers of layers that results were made with, by method, preset and set; nothing for puzzles."""
     found: dict[tuple[str, str, str], set[int]] = {}
     for result in results:
-        layers = json.loads(result.parameters).get("layers")
+        layers = read_payload(result.parameters).get("layers")
         found.setdefault((result.method, result.preset, result.set_name), set()).update(
             [layers] if isinstance(layers, int) else []
         )

@@ -3,7 +3,6 @@
 Votes stay as they are. Everything new is drawn by the seed of the study, as `annotation.design` does.
 """
 
-import json
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -16,6 +15,7 @@ from engine.errors import BadParameter
 from . import schema
 from .design import Design, put_asked, stratum_of
 from .handle import StudyHandle
+from .payloads import read_payload
 from .proposals import batched
 from .records import Study
 from .sampling import Drawn, Known, balanced, overlapped, sample
@@ -182,7 +182,7 @@ def _contents(connection: Connection, items: Iterable[str]) -> list[tuple[Table,
     shown = _picked(connection, schema.item, schema.item.c.id, chosen)
     proposed = _picked(connection, schema.run_match, schema.run_match.c.item_id, chosen)
     runs = _picked(connection, schema.run, schema.run.c.id, sorted({row["run_id"] for row in proposed}))
-    meshes = {side.get("sha256") for row in shown for side in json.loads(row["payload"]).values() if isinstance(side, dict)}
+    meshes = {side.get("sha256") for row in shown for side in read_payload(row["payload"]).values() if isinstance(side, dict)}
     keys = [key for key in connection.scalars(select(schema.blob.c.key)) if key.split(":")[0] in meshes]
     blobs = _picked(connection, schema.blob, schema.blob.c.key, keys)
     return [(schema.item, shown), (schema.run, runs), (schema.run_match, proposed), (schema.blob, blobs)]

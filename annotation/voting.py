@@ -3,7 +3,6 @@
 What a volunteer's screen gets from here names items alone: no method, parameter, score or vote of anybody else.
 """
 
-import json
 import statistics
 import uuid
 from collections.abc import Iterable, Mapping, Sequence
@@ -250,5 +249,5 @@ def _item(row: Row[Any]) -> Item:
 def _vote(row: Row[Any]) -> Vote:
     return Vote(
         row.uuid, row.item_id, row.volunteer, row.round, row.answer, row.comment, row.supersedes, row.clock,
-        row.shown_ms, row.active_ms, json.loads(row.presentation), row.created_at,
+        row.shown_ms, row.active_ms, read_payload(row.presentation), row.created_at,
     )  # fmt: skip

@@ -1,6 +1,7 @@
 """`concord study packet`, `export`, `forget`, `archive`, `unpack`: what they print, and one sentence for what cannot be."""
 
 import shlex
+import sqlite3
 
 import pytest
 from exchange_world import content, ids_of, strip_study
@@ -115,3 +116,29 @@ def test_an_archive_can_be_taken_apart(tmp_path, file, capsys):
     assert "goes with --anonymous" in fails(capsys, "archive", file, "--out", tmp_path / "b.zip", "--comments")
     assert "cannot be taken apart" in fails(capsys, "unpack", file, "--out", tmp_path / "new")
     assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("text", ["{", "[]"])
+@pytest.mark.parametrize(
+    ("where", "command"),
+    [
+        ("item.payload", "archive"), ("run.parameters", "table"), ("run.source", "table"), ("event.presentation", "archive"),
+        ("run.target", "archive"),
+    ],
+)  # fmt: skip
+def test_a_damaged_value_is_told_in_a_sentence(tmp_path, file, capsys, where, command, text):
+    assert run("vote", file, "--volunteer", "anna", "--item", ids_in(file)[0], "--answer", "wrong") == 0
+    table, column = where.split(".")
+    with sqlite3.connect(file) as raw:
+        raw.execute("DROP TRIGGER event_never_updated")
+        raw.execute(f"UPDATE {table} SET {column} = ?", (text,))
+        raw.execute("CREATE TRIGGER event_never_updated BEFORE UPDATE ON event BEGIN SELECT RAISE(ABORT, 'never'); END")
+    capsys.readouterr()
+    more = {"archive": ("--out", tmp_path / "a.zip", "--anonymous")}
+    assert "damaged" in fails(capsys, command, file, *more.get(command, ()))
+    assert not (tmp_path / "a.zip").exists()
+
+
+def ids_in(file):
+    with study.open_study(file) as handle:
+        return ids_of(handle)

@@ -10,17 +10,17 @@ from cyclopts import App, Parameter
 from engine.cli import run
 from engine.store import write_atomically
 
-from .design_commands import mount as mount_design
-from .exchange import merge as merge_files
-from .exchange_commands import mount as mount_exchange
-from .exporting import votes_csv
-from .location import warn_of_place
-from .majority import Answer
-from .server_commands import mount as mount_invitations
-from .stamps import app_version
+from .design.commands import mount as mount_design
+from .exchange.commands import mount as mount_exchange
+from .exchange.exporting import votes_csv
+from .exchange.merging import merge as merge_files
+from .findings.commands import mount as mount_tables
+from .results.votedwishes import read_voted_wishes
+from .server.commands import mount as mount_invitations
+from .storage.location import warn_of_place
+from .storage.stamps import app_version
 from .study import open_study, record_vote, shown_place
-from .table_commands import mount as mount_tables
-from .votedwishes import read_voted_wishes
+from .voting.majority import Answer
 
 app = App(
     name="study",

@@ -9,16 +9,16 @@ from engine.progress import Progress, share
 from engine.shapes.parameters import DEFAULT_PRESET, preset
 from engine.store import default_cache, write_atomically
 
-from .precision import ballots, precision_table
+from .findings.precision import ballots, precision_table
+from .findings.tabletext import render
 from .puzzledemo import judge_example_puzzles, vote_by_truth
 from .study import add_result, create_study, open_study
-from .tabletext import render
 
 if TYPE_CHECKING:
     from engine.report import PictureMaker
     from engine.shapes.result import MatchResult
 
-    from .handle import StudyHandle
+    from .storage.handle import StudyHandle
 
 PRESETS = (DEFAULT_PRESET, "thesis-rigid", "thesis-rigid-size")
 TRUTH = "truth"  # the code that the known classes of the examples vote under

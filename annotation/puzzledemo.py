@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from engine.puzzles.pieces import Puzzle, Truth
     from engine.puzzles.solution import PuzzleSolution
 
-    from .handle import StudyHandle
+    from .storage.handle import StudyHandle
 
 Ways = Sequence[tuple[str, str]]  # methods and measures to be compared
 WAYS: Ways = (("auto", "learned"), ("mst", "mgc-root"), ("mst", "emd-lab"), ("diffusion", "emd-lab"))
@@ -50,7 +50,7 @@ def _judge(
     from engine.puzzles.parameters import PuzzleParameters
     from engine.puzzles.solving import solve
 
-    from .puzzlejoins import add_solution, join_ids, truth_answers
+    from .results.puzzlejoins import add_solution, join_ids, truth_answers
 
     puzzle, truth, source = gather([picture], Cutting(piece_size=PIECE_SIZE, turned=turned))
     assert truth is not None

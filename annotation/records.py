@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
-from .majority import Answer
+from .voting.majority import Answer
 
 Kind = Literal["shape", "puzzle"]
 
@@ -36,7 +36,7 @@ class Item:
     `id` is the content hash of the match. The payload of a "shape" item is `{"source": side, "target": side}` with
     side = `{"file", "sha256", "segments": [label, ...]}`, enough to show the match again; which side is called source
     does not depend on the direction in which the match was found. That of a "puzzle" item holds the pictures of its two
-    pieces (see `annotation.puzzlejoins.join_items`).
+    pieces (see `annotation.results.puzzlejoins.join_items`).
     """
 
     id: str

@@ -14,16 +14,15 @@ from sqlalchemy import Connection, insert, select
 
 from engine.errors import BadParameter
 
-from . import schema
-from .database import BUSY_SECONDS, StudyFile, create_file, open_file
-from .handle import StudyHandle
-from .majority import ANSWERS, Answer, Majority, Verdict
-from .matchesfile import add_result
-from .postgres import create_server, is_url, named, open_server, server_url
-from .proposals import add_items, add_run, canonical, shape_item
 from .records import Item, OpenItem, Practice, Proposal, Run, Study, Volunteer, Vote, VotingProgress
-from .stamps import app_version, now
-from .voting import (
+from .results.matchesfile import add_result
+from .results.proposals import add_items, add_run, canonical, shape_item
+from .server.postgres import create_server, is_url, named, open_server, server_url
+from .storage import schema
+from .storage.database import BUSY_SECONDS, StudyFile, create_file, open_file
+from .storage.handle import StudyHandle
+from .storage.stamps import app_version, now
+from .voting.answering import (
     answers,
     current_votes,
     item,
@@ -42,6 +41,7 @@ from .voting import (
     volunteer,
     volunteers,
 )
+from .voting.majority import ANSWERS, Answer, Majority, Verdict
 
 __all__ = [
     "ANSWERS",

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 if TYPE_CHECKING:
-    from annotation.shownitems import ShownParts
+    from annotation.results.shownitems import ShownParts
     from engine.shapes.collection_result import CollectionResult
     from engine.shapes.result import MatchResult
     from engine.shapes.segmentation import SegmentedShape
@@ -94,7 +94,7 @@ def puzzle_path(path: Path) -> Path:
 
 def judged_wishes(path: Path, source: "SegmentedShape", target: "SegmentedShape") -> "Wishes":
     """What the majority of a study's votes says of a pair, as wishes; prints what that is."""
-    from annotation.votedwishes import read_voted_wishes
+    from annotation.results.votedwishes import read_voted_wishes
 
     found = read_voted_wishes(path, source, target)
     print(found.sentence())
@@ -109,8 +109,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     from cyclopts import Parameter
 
     from annotation.__main__ import app as study
-    from annotation.table_commands import mount as mount_tables
-    from annotation.thesistables import voted_precision
+    from annotation.findings.commands import mount as mount_tables
+    from annotation.findings.thesistables import voted_precision
     from engine.__main__ import SourceLabels, TargetLabels, build_app
     from engine.cli import run
 

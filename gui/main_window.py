@@ -82,18 +82,18 @@ class MainWindow(QMainWindow):
 
     def furnish(self) -> None:
         """Make session, pages and menus; the modules that this imports should be loaded already."""
-        from .pages.automatic import Automatic
-        from .pages.collection_desk import CollectionDesk
+        from .pages.collection.desk import CollectionDesk
         from .pages.files import Files
         from .pages.judging import Judging
-        from .pages.matching import Matching
-        from .pages.puzzle_desk import PuzzleDesk
-        from .pages.results import ResultsPage
-        from .pages.segment_desk import SegmentDesk
-        from .pages.shapes import ShapesPage
-        from .pages.study import StudyPage
-        from .pages.study_desk import StudyDesk
-        from .pages.wishing import WishFiles, Wishing
+        from .pages.puzzle.desk import PuzzleDesk
+        from .pages.results.page import ResultsPage
+        from .pages.segments.desk import SegmentDesk
+        from .pages.shapes.automatic import Automatic
+        from .pages.shapes.matching import Matching
+        from .pages.shapes.page import ShapesPage
+        from .pages.shapes.wishing import WishFiles, Wishing
+        from .pages.study.desk import StudyDesk
+        from .pages.voting.page import StudyPage
         from .session import Session, State
 
         volunteer = str(settings().value("volunteer", "me"))
@@ -372,7 +372,7 @@ class MainWindow(QMainWindow):
             waiting = "Matching …" if self.jobs.busy() else "Not matched; choose Edit > Match again, or other files."
             self.status.text.setText("" if state.source is None else waiting)
             return
-        from .pages.arrange import listed
+        from .pages.shapes.arrange import listed
 
         ids = state.result.ids
         given = [state.verdicts.get(i) for i in ids]

@@ -64,7 +64,7 @@ def _dialogs(window: "MainWindow", wait: Callable, shot: Callable) -> None:
 
 
 def _wizard(window: "MainWindow", shot: Callable) -> None:
-    from .pages.study_wizard import STEPS, StudyWizard
+    from .pages.study.wizard import STEPS, StudyWizard
 
     window.actions_by_id["new-study"].trigger()
     wizard = window.findChildren(StudyWizard)[-1]

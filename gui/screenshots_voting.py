@@ -22,10 +22,10 @@ JOINS = 6
 def make_study(window: "MainWindow", path: Path) -> "StudyHandle":
     """A study of what the window has matched and solved, one match of it to practise on."""
     from annotation import study
-    from annotation.blobs import keep_shapes
-    from annotation.design import put_asked
-    from annotation.puzzlejoins import solution_items
-    from annotation.sampling import Drawn
+    from annotation.design.designing import put_asked
+    from annotation.design.sampling import Drawn
+    from annotation.results.puzzlejoins import solution_items
+    from annotation.storage.blobs import keep_shapes
 
     state, puzzle = window.session.state, window.puzzle.session.state
     handle = study.create_study(path, name="Pictures", guideline=GUIDELINE, seed="3")
@@ -83,7 +83,7 @@ def _questions(voting: "VolunteerWindow", press: Callable, show: Callable) -> No
     """One question of each kind, what lies beside them, and the end."""
     from PySide6.QtCore import Qt
 
-    from .pages.questions import JoinQuestion
+    from .pages.voting.questions import JoinQuestion
 
     seen: set[str] = set()
     while voting.desk.question is not None:

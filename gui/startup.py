@@ -15,8 +15,8 @@ from .main_window import MainWindow
 
 Labels = tuple[str | None, str | None]
 HEAVY = (
-    "gui.session", "gui.pages.shapes", "gui.views.pair", "gui.pages.study", "gui.pages.results", "gui.pages.puzzle_desk",
-    "gui.pages.collection_desk", "qtawesome", "assets", "engine.shapes.meshfile", "engine.shapes.matching",
+    "gui.session", "gui.pages.shapes.page", "gui.views.pair", "gui.pages.voting.page", "gui.pages.results.page", "gui.pages.puzzle.desk",
+    "gui.pages.collection.desk", "qtawesome", "assets", "engine.shapes.meshfile", "engine.shapes.matching",
 )  # fmt: skip
 
 

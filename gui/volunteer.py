@@ -8,15 +8,15 @@ from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QKeyEvent
 from PySide6.QtWidgets import QApplication, QFileDialog, QMainWindow
 
 from annotation import study
-from annotation.asking import own_code
-from annotation.handle import StudyHandle
+from annotation.storage.handle import StudyHandle
+from annotation.voting.asking import own_code
 
 from .jobs import QUEUE, Jobs, show_unexpected
 from .pages.style import window_style
-from .pages.voting_desk import VotingDesk
-from .pages.voting_notice import Choice
-from .pages.voting_screen import ENTER, NEXT, VotingScreen
-from .pages.voting_words import NO_CODE, unknown_trouble
+from .pages.voting.desk import VotingDesk
+from .pages.voting.notice import Choice
+from .pages.voting.screen import ENTER, NEXT, VotingScreen
+from .pages.voting.words import NO_CODE, unknown_trouble
 from .palette import apply_theme, system_is_dark, theme
 
 SMALLEST = (720, 520)

@@ -8,15 +8,15 @@ from typing import Any, NamedTuple
 from PySide6.QtCore import QObject, Signal
 
 from annotation import study
-from annotation.blobs import keep_shapes
-from annotation.studyruns import unasked
+from annotation.results.studyruns import unasked
+from annotation.storage.blobs import keep_shapes
 from engine.errors import BadInput
 from engine.shapes.result import MatchResult
 
 from ..folders import default_study
 from ..jobs import QUEUE, Jobs
 from ..session import Session, State
-from .arrange import listed, next_unanswered
+from .shapes.arrange import listed, next_unanswered
 
 BUSY_SECONDS = 8.0
 
@@ -241,7 +241,7 @@ class Judging(QObject):
 
 def checked_code(text: str) -> str:
     """A volunteer code as the study takes it; raises one sentence otherwise."""
-    from annotation.voting import checked_code as check
+    from annotation.voting.answering import checked_code as check
 
     if not text.strip():
         raise BadInput("A volunteer needs a code; use 1 to 40 letters, digits, - and _.")

@@ -36,7 +36,7 @@ def judged_text(matches: int, correct: int, wrong: int, tie: int, left: int) -> 
     if correct + wrong:
         from engine.evaluation.intervals import clustered_interval
 
-        from .arrange import share_text
+        from .shapes.arrange import share_text
 
         interval = clustered_interval([correct], [correct + wrong])
         text += f", precision {share_text(correct / (correct + wrong))} [{share_text(interval.low)}, {share_text(interval.high)}]"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from annotation.shownitems import ShownParts
+from annotation.results.shownitems import ShownParts
 
 from ..palette import LIGHT, Theme, rgb
 from .figures import png_bytes

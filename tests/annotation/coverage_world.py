@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from annotation.precision import PairShare, interval_of
+from annotation.findings.precision import PairShare, interval_of
 
 PAIRS, SIZES, CORRELATIONS, SHARES = (3, 6, 12, 30, 92), (8, 25), (0.0, 0.1, 0.2), (0.7, 0.85)
 CHANCES = np.array([0.2, 0.5, 1.0])  # of a match to be drawn into a sample

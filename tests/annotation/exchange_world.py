@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from sqlalchemy import insert
 
-from annotation import schema, study
-from annotation.blobs import keep_shapes
-from annotation.proposals import shape_item
+from annotation import study
 from annotation.records import Item, Proposal, Run
+from annotation.results.proposals import shape_item
+from annotation.storage import schema
+from annotation.storage.blobs import keep_shapes
 from engine.shapes.identity import match_id, mesh_id, node_id, segment_ids
 from engine.shapes.mesh import Mesh
 from engine.shapes.segmentation import Segmentation, SegmentedShape

@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
-from annotation.findings import Votes
-from annotation.precision import Ballot, Proposed
+from annotation.findings.precision import Ballot, Proposed
+from annotation.findings.working import Votes
 
 WORDS = {"c": "correct", "w": "wrong", "u": "unsure"}
 

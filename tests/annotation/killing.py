@@ -15,7 +15,7 @@ from judging_world import study_of
 from version1 import write_version1
 
 from annotation import study
-from annotation.exchange import merge
+from annotation.exchange.merging import merge
 
 ROOT = Path(__file__).parents[2]
 _READY = 'print("ready", flush=True)\nsys.stdin.readline()\n'
@@ -39,7 +39,7 @@ with study.open_study(place, backup=False) as handle:
         {_TOLD}"""
 """Votes on random items for some seconds and prints each vote once it was confirmed; a tenth is undos."""
 
-MERGER = f"import sys\nfrom annotation.exchange import merge\n{_READY}merge(sys.argv[1], sys.argv[2])\n"
+MERGER = f"import sys\nfrom annotation.exchange.merging import merge\n{_READY}merge(sys.argv[1], sys.argv[2])\n"
 
 MIGRATOR = f"""
 import sys, time

@@ -10,11 +10,11 @@ from exchange_world import ask, content, diagonal, ids_of, record, run_of, strip
 from hypothesis import strategies as st
 
 from annotation import study
-from annotation.exchange import Merged, merge_handles
-from annotation.forgetting import forget
-from annotation.packets import make_packet
-from annotation.tombstones import code_hash
-from annotation.voting import make_adjudicator
+from annotation.exchange.forgetting import forget
+from annotation.exchange.merging import Merged, merge_handles
+from annotation.exchange.packets import make_packet
+from annotation.exchange.tombstones import code_hash
+from annotation.voting.answering import make_adjudicator
 from engine.errors import ConcordError
 
 CODES = ("anna-quill", "bert-quill", "carl-quill")

@@ -12,9 +12,9 @@ from killing import MERGER, VOTER, Outcome, Told, add_many, begin, started, told
 from postgres_server import Server
 
 from annotation import study
-from annotation.exchange import merge
-from annotation.invitations import invite
-from annotation.publishing import publish
+from annotation.exchange.merging import merge
+from annotation.server.invitations import invite
+from annotation.server.publishing import publish
 
 
 def crash(server: Server) -> None:

@@ -11,11 +11,11 @@ import pytest
 from exchange_world import ask, cells, content, ids_of, strip_study
 
 from annotation import study
-from annotation.anonymising import Anonymous
-from annotation.archive import archive, unpack
-from annotation.exchange import merge
-from annotation.forgetting import forget
-from annotation.packets import make_packet
+from annotation.exchange.anonymising import Anonymous
+from annotation.exchange.archive import archive, unpack
+from annotation.exchange.forgetting import forget
+from annotation.exchange.merging import merge
+from annotation.exchange.packets import make_packet
 from engine.errors import BadInput
 
 CODES = ("anna-quill", "bert-quill", "zoe-quill")

@@ -7,15 +7,23 @@ import pytest
 from design_world import known, run_of, runs_of
 from sqlalchemy import insert, select
 
-from annotation import schema, study
-from annotation.design import Design, create_design, put_asked
-from annotation.flags import disputed, gold_failures, unresolved
-from annotation.majority import majorities
-from annotation.precision import precision_table
-from annotation.sampling import Drawn
-from annotation.stamps import now
-from annotation.topup import name_gold, name_practice
-from annotation.voting import known_volunteer, make_adjudicator, open_items, seconds_each, settle_seeds, sides_swapped
+from annotation import study
+from annotation.design.designing import Design, create_design, put_asked
+from annotation.design.flags import disputed, gold_failures, unresolved
+from annotation.design.sampling import Drawn
+from annotation.design.topup import name_gold, name_practice
+from annotation.findings.precision import precision_table
+from annotation.storage import schema
+from annotation.storage.stamps import now
+from annotation.voting.answering import (
+    known_volunteer,
+    make_adjudicator,
+    open_items,
+    seconds_each,
+    settle_seeds,
+    sides_swapped,
+)
+from annotation.voting.majority import majorities
 from engine.errors import BadInput, BadParameter
 
 ITEMS = [f"a-{n}" for n in range(8)]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from judging_world import study_of
 
-from annotation.blobs import keep_shapes, kept_shapes, shape_key
+from annotation.storage.blobs import keep_shapes, kept_shapes, shape_key
 from engine.errors import BadInput
 from engine.shapes.identity import mesh_id, node_id, segment_ids
 from engine.shapes.mesh import Mesh

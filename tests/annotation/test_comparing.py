@@ -6,9 +6,9 @@ import pytest
 from findings_world import cast, ran
 from scipy.stats import binomtest
 
-from annotation.comparing import compared, leave_one_out, modelled
-from annotation.dawidskene import dawid_skene
-from annotation.precision import ALL_SETS, counted, tabulate
+from annotation.findings.comparing import compared, leave_one_out, modelled
+from annotation.findings.dawidskene import dawid_skene
+from annotation.findings.precision import ALL_SETS, counted, tabulate
 
 PAIRS = [f"p{k}" for k in range(7)]
 

@@ -15,7 +15,8 @@ import pytest
 from judging_world import LAMP, VASE, identity, study_of
 from version1 import write_version1
 
-from annotation import backup, filecheck, migrations, schema, study
+from annotation import study
+from annotation.storage import backup, filecheck, migrations, schema
 from engine.errors import BadInput
 
 ROOT = Path(__file__).parents[2]

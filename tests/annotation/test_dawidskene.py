@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from findings_world import cast
 
-from annotation.dawidskene import dawid_skene
-from annotation.precision import Ballot
+from annotation.findings.dawidskene import dawid_skene
+from annotation.findings.precision import Ballot
 
 
 def drawn(items: int, right: list[tuple[float, float]], share: float = 0.7, seed: int = 0) -> tuple[list[Ballot], np.ndarray]:

@@ -6,10 +6,11 @@ import pytest
 from design_world import known, run_of, runs_of
 from sqlalchemy import select
 
-from annotation import schema, study
-from annotation.design import Design, create_design, draw_design, judged_count, judged_counts
-from annotation.proposals import run_id
+from annotation import study
+from annotation.design.designing import Design, create_design, draw_design, judged_count, judged_counts
 from annotation.records import Item, Proposal, Run
+from annotation.results.proposals import run_id
+from annotation.storage import schema
 from engine.errors import BadInput, BadParameter, Cancelled
 from engine.parameters import declared
 

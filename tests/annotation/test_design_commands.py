@@ -7,8 +7,9 @@ import pytest
 from judging_world import CANDLE, ONE_TO_ONE, result
 from sqlalchemy import select
 
-from annotation import schema, study
+from annotation import study
 from annotation.__main__ import main
+from annotation.storage import schema
 from engine.matchfile import write_matches
 
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from judging_world import LAMP, ONE_TO_ONE, VASE, identity, result, study_of
 
 from annotation import study
-from annotation.exchange import Merged, merge
+from annotation.exchange.merging import Merged, merge
 from engine.errors import BadInput
 
 FOOT, STEM, SHADE = (identity(LAMP, one, VASE, other) for one, other in ONE_TO_ONE)

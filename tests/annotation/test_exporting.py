@@ -12,9 +12,9 @@ from exchange_world import ask, ids_of, strip_study
 from judging_world import LAMP, ONE_TO_ONE, VASE, identity, study_of
 
 from annotation import study
-from annotation.exporting import FORMATS, contents, export, table_rows, votes_csv
-from annotation.exporttables import ABOUT, TABLES, names
-from annotation.voting import make_adjudicator
+from annotation.exchange.exporting import FORMATS, contents, export, table_rows, votes_csv
+from annotation.exchange.exporttables import ABOUT, TABLES, names
+from annotation.voting.answering import make_adjudicator
 from engine.errors import BadInput, BadParameter
 
 FOOT, STEM, SHADE = (identity(LAMP, one, VASE, other) for one, other in ONE_TO_ONE)

@@ -11,14 +11,15 @@ from findings_world import cast, ran, read
 from judging_world import CANDLE, ONE_TO_ONE, result, study_of
 from sqlalchemy import insert
 
-from annotation import schema, study
-from annotation.chart import precision_chart
-from annotation.findings import findings, worked_out
-from annotation.findings_report import Drawn, as_csv, as_html, written
-from annotation.findings_tables import tables, values
-from annotation.overview import overview
-from annotation.precision import Ballot
-from annotation.splitting import split
+from annotation import study
+from annotation.findings.chart import precision_chart
+from annotation.findings.overview import overview
+from annotation.findings.precision import Ballot
+from annotation.findings.report import Drawn, as_csv, as_html, written
+from annotation.findings.splitting import split
+from annotation.findings.tables import tables, values
+from annotation.findings.working import findings, worked_out
+from annotation.storage import schema
 from engine.errors import BadParameter
 from engine.evaluation.tables import Table, split_wide
 

@@ -3,10 +3,10 @@
 from design_world import known, run_of
 
 from annotation import study
-from annotation.design import Design, create_design
-from annotation.flags import disputed, evenness, gold_failures, gold_records, unresolved
-from annotation.majority import Majority
+from annotation.design.designing import Design, create_design
+from annotation.design.flags import disputed, evenness, gold_failures, gold_records, unresolved
 from annotation.records import Vote
+from annotation.voting.majority import Majority
 
 
 def vote(item, code, answer, clock=1):

@@ -9,11 +9,11 @@ import pytest
 from exchange_world import content, ids_of, strip_study
 
 from annotation import study
-from annotation.backup import back_up, every_backup
-from annotation.exchange import merge
-from annotation.forgetting import forget
-from annotation.packets import make_packet
-from annotation.tombstones import Tombstones, day, joined, tombstone
+from annotation.exchange.forgetting import forget
+from annotation.exchange.merging import merge
+from annotation.exchange.packets import make_packet
+from annotation.exchange.tombstones import Tombstones, day, joined, tombstone
+from annotation.storage.backup import back_up, every_backup
 from engine.errors import BadInput
 
 CODE = "anna-quillfeather"

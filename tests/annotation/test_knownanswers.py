@@ -9,11 +9,11 @@ from judging_world import result as hand_made
 from puzzle_world import picture, solved
 
 from annotation import study
-from annotation.knownanswers import known_by_truth, known_by_votes, merged, read_known
-from annotation.matchesfile import run_of_json
-from annotation.puzzlejoins import join_ids, truth_answers
+from annotation.design.knownanswers import known_by_truth, known_by_votes, merged, read_known
 from annotation.records import Practice
-from annotation.resultfiles import ResultFile, find_results, find_shapes, read_all
+from annotation.results.matchesfile import run_of_json
+from annotation.results.puzzlejoins import join_ids, truth_answers
+from annotation.results.resultfiles import ResultFile, find_results, find_shapes, read_all
 from engine.errors import BadInput
 from engine.matchfile import result_to_json, write_matches
 from engine.puzzles.gathering import Cutting, gather

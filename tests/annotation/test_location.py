@@ -3,7 +3,7 @@
 import pytest
 from judging_world import LAMP, VASE, identity, study_of
 
-from annotation.location import cloud_folder, location_warning, network_disk
+from annotation.storage.location import cloud_folder, location_warning, network_disk
 
 
 def mounted(tmp_path, **kinds: str):

@@ -3,7 +3,7 @@
 import pytest
 from findings_world import cast
 
-from annotation.agreement import (
+from annotation.findings.agreement import (
     EVERYTHING,
     OVERLAPPED,
     agreement_rows,
@@ -11,7 +11,7 @@ from annotation.agreement import (
     raw_agreement,
     volunteer_agreement,
 )
-from annotation.majority import Majority, majorities, majority_of
+from annotation.voting.majority import Majority, majorities, majority_of
 
 
 @pytest.mark.parametrize(

@@ -13,10 +13,10 @@ from merge_histories import HISTORIES, Copies, template
 from rerun_law import reruns
 
 from annotation import study
-from annotation.blobs import keep_shapes
-from annotation.exchange import Merged, merge, merge_handles
-from annotation.packets import make_packet
-from annotation.topup import top_up_study
+from annotation.design.topup import top_up_study
+from annotation.exchange.merging import Merged, merge, merge_handles
+from annotation.exchange.packets import make_packet
+from annotation.storage.blobs import keep_shapes
 from engine.errors import BadInput
 
 

@@ -7,7 +7,8 @@ import pytest
 from sqlalchemy import create_engine, inspect, make_url
 from version1 import TABLES, write_version1
 
-from annotation import migrations, schema, study
+from annotation import study
+from annotation.storage import migrations, schema
 
 
 def version1_statements() -> list[str]:

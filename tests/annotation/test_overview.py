@@ -7,10 +7,11 @@ import pytest
 from judging_world import CANDLE, ONE_TO_ONE, result, study_of
 from sqlalchemy import insert
 
-from annotation import schema, study
-from annotation.csvtext import csv_text
-from annotation.overview import overview
-from annotation.overview_tables import VALUES_HEAD, overview_table, overview_values
+from annotation import study
+from annotation.exchange.csvtext import csv_text
+from annotation.findings.overview import overview
+from annotation.findings.overview_tables import VALUES_HEAD, overview_table, overview_values
+from annotation.storage import schema
 
 WIDE = [tuple(k for k in range(3) if bits >> k & 1) for bits in range(1, 7)]
 

@@ -12,12 +12,13 @@ import pytest
 from exchange_world import PARTS, ask, cells, content, diagonal, ids_of, match, run_of, strip, strip_study
 from sqlalchemy import update
 
-from annotation import schema, study
-from annotation.blobs import keep_shapes, kept_shapes
-from annotation.exchange import merge_handles
-from annotation.packets import make_packet
+from annotation import study
+from annotation.exchange.merging import merge_handles
+from annotation.exchange.packets import make_packet
 from annotation.records import Item
-from annotation.voting import make_adjudicator
+from annotation.storage import schema
+from annotation.storage.blobs import keep_shapes, kept_shapes
+from annotation.voting.answering import make_adjudicator
 from engine.errors import BadInput, BadParameter
 
 PNG = "iVBORw0KGgo="

@@ -13,8 +13,9 @@ import pytest
 from judging_world import LAMP, VASE, identity, study_of
 from version1 import write_version1
 
-from annotation import backup, database, places, study
-from annotation.thesistables import voted_precision
+from annotation import study
+from annotation.findings.thesistables import voted_precision
+from annotation.storage import backup, database, places
 from engine.errors import BadInput
 
 FOOT = identity(LAMP, (0,), VASE, (0,))

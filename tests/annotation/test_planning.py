@@ -7,8 +7,8 @@ import pytest
 from design_world import run_of
 
 from annotation import study
-from annotation.design import Design, create_design
-from annotation.planning import (
+from annotation.design.designing import Design, create_design
+from annotation.design.planning import (
     Expectations,
     design_effect,
     disagreement_of,
@@ -50,7 +50,7 @@ def test_clustered_matches_need_more():
 
 
 def test_no_number_of_pairs_may_be_enough(monkeypatch):
-    monkeypatch.setattr("annotation.planning.MOST_PAIRS", 100)
+    monkeypatch.setattr("annotation.design.planning.MOST_PAIRS", 100)
     with pytest.raises(BadParameter, match="wider"):
         pairs_needed(ALONE)
 

@@ -14,7 +14,10 @@ from judging_world import LAMP, VASE, identity, study_of
 from postgres_server import running
 from server_killing import kill_merging, kill_voting
 
-from annotation import invitations, postgres, schema, servererrors, study
+from annotation import study
+from annotation.server import errors as servererrors
+from annotation.server import invitations, postgres
+from annotation.storage import schema
 from engine.errors import BadInput
 
 FOOT = identity(LAMP, (0,), VASE, (0,))
@@ -130,7 +133,7 @@ def test_older_is_migrated_by_the_researcher_alone(server, address, monkeypatch)
     with study.open_study(address) as handle:
         personal = invitations.invite(handle, "anna")
     monkeypatch.setattr(schema, "SCHEMA_VERSION", schema.SCHEMA_VERSION + 1)
-    from annotation import migrations
+    from annotation.storage import migrations
 
     step = "ALTER TABLE item ADD COLUMN x text; ALTER TABLE run DISABLE ROW LEVEL SECURITY"
     monkeypatch.setitem(migrations.STEPS, schema.SCHEMA_VERSION - 1, lambda op: op.execute(step))

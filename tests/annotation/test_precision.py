@@ -9,13 +9,23 @@ from findings_world import cast, ran
 from judging_world import CANDLE, LAMP, ONE_TO_ONE, VASE, identity, result, study_of
 from sqlalchemy import insert
 
-from annotation import schema, study
-from annotation.comparing import leave_one_out
-from annotation.matchesfile import run_of_json
-from annotation.precision import ALL_SETS, ballots, counted, precision_table, proposed_later, sample, tabulate, without
-from annotation.sampling import sample as draw_sample
-from annotation.stamps import now
-from annotation.tabletext import agreement_line, notes, render
+from annotation import study
+from annotation.design.sampling import sample as draw_sample
+from annotation.findings.comparing import leave_one_out
+from annotation.findings.precision import (
+    ALL_SETS,
+    ballots,
+    counted,
+    precision_table,
+    proposed_later,
+    sample,
+    tabulate,
+    without,
+)
+from annotation.findings.tabletext import agreement_line, notes, render
+from annotation.results.matchesfile import run_of_json
+from annotation.storage import schema
+from annotation.storage.stamps import now
 from engine.errors import BadParameter
 from engine.evaluation.averages import thesis_average
 from engine.evaluation.intervals import clustered_interval

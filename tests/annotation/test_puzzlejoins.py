@@ -11,10 +11,10 @@ from PIL import Image
 from puzzle_world import PX, cut_up, joins_of, picture, solved, touching
 
 from annotation import study
-from annotation.exchange import merge
-from annotation.exporting import votes_csv
-from annotation.precision import precision_table
-from annotation.puzzlejoins import (
+from annotation.exchange.exporting import votes_csv
+from annotation.exchange.merging import merge
+from annotation.findings.precision import precision_table
+from annotation.results.puzzlejoins import (
     LONGEST,
     add_solution,
     join_ids,

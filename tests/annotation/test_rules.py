@@ -7,7 +7,7 @@ from typing import NamedTuple
 import pytest
 from sqlalchemy import create_engine, insert, select
 
-from annotation import schema
+from annotation.storage import schema
 
 ITEMS, CODES = tuple(f"item-{n}" for n in range(6)), ("anna", "bert", "carl", "dora")
 

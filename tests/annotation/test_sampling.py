@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from annotation.design.sampling import balanced, draw, gold_wanted, overlapped, sample
 from annotation.records import Practice
-from annotation.sampling import balanced, draw, gold_wanted, overlapped, sample
 
 SIZES = st.dictionaries(st.sampled_from("abcdefgh"), st.integers(1, 12), min_size=1)
 

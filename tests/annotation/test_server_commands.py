@@ -7,8 +7,9 @@ import psycopg
 import pytest
 from judging_world import LAMP, VASE, identity, result, study_of
 
-from annotation import invitations, study
+from annotation import study
 from annotation.__main__ import main
+from annotation.server import invitations
 from engine.errors import BadInput, BadParameter
 from engine.matchfile import write_matches
 

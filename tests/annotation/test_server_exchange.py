@@ -7,14 +7,16 @@ import pytest
 from exchange_world import PARTS, TABLES, ask, content, ids_of, strip_study
 from test_volunteer_role import everything
 
-from annotation import invitations, schema, study
-from annotation.archive import archive, unpack
-from annotation.blobs import kept_shapes
-from annotation.exchange import Merged, merge
-from annotation.forgetting import forget
-from annotation.packets import blinded, make_packet
-from annotation.publishing import publish
-from annotation.serverrules import VOLUNTEER_PATH
+from annotation import study
+from annotation.exchange.archive import archive, unpack
+from annotation.exchange.forgetting import forget
+from annotation.exchange.merging import Merged, merge
+from annotation.exchange.packets import blinded, make_packet
+from annotation.server import invitations
+from annotation.server.publishing import publish
+from annotation.server.rules import VOLUNTEER_PATH
+from annotation.storage import schema
+from annotation.storage.blobs import kept_shapes
 from engine.errors import BadInput
 
 VIEWS = (*TABLES, "current_vote", "open_item")

@@ -10,9 +10,9 @@ from PIL import Image
 from world import bar
 
 from annotation import study
-from annotation.blobs import keep_shapes
 from annotation.records import Item
-from annotation.shownitems import item_picture, join_png, no_drawing, shown_parts
+from annotation.results.shownitems import item_picture, join_png, no_drawing, shown_parts
+from annotation.storage.blobs import keep_shapes
 from engine.errors import BadInput, ConcordError
 from engine.shapes.identity import match_id, mesh_id, node_id, segment_ids
 

@@ -6,8 +6,9 @@ from datetime import datetime
 import pytest
 from judging_world import CANDLE, LAMP, ONE_TO_ONE, VASE, identity, result, study_of
 
-from annotation import study, voting
+from annotation import study
 from annotation.study import Majority
+from annotation.voting import answering as voting
 from engine.errors import BadInput, BadParameter
 
 FOOT, STEM, SHADE = (identity(LAMP, one, VASE, other) for one, other in ONE_TO_ONE)

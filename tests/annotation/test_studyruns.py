@@ -2,11 +2,11 @@
 
 import pytest
 
-from annotation.design import Design, create_design
-from annotation.proposals import add_run, run_id
+from annotation.design.designing import Design, create_design
 from annotation.records import Item, Proposal, Run
+from annotation.results.proposals import add_run, run_id
+from annotation.results.studyruns import Unasked, item_count, runs_of_study, shapes_of_study, unasked
 from annotation.study import create_study, open_study
-from annotation.studyruns import Unasked, item_count, runs_of_study, shapes_of_study, unasked
 
 
 def a_run(method, names, pair="p"):

@@ -15,8 +15,8 @@ from puzzle_world import cut_up, solved
 
 from annotation import study
 from annotation.__main__ import app, main
-from annotation.puzzlejoins import add_solution
-from annotation.table_commands import mount
+from annotation.findings.commands import mount
+from annotation.results.puzzlejoins import add_solution
 
 FOOT, STEM, SHADE = (identity(LAMP, one, VASE, other) for one, other in ONE_TO_ONE)
 

@@ -6,7 +6,7 @@ import pytest
 from judging_world import CANDLE, LAMP, ONE_TO_ONE, VASE, identity, result, study_of
 
 from annotation import study
-from annotation.thesistables import voted_precision
+from annotation.findings.thesistables import voted_precision
 from engine.errors import BadInput
 from engine.evaluation.averages import thesis_average
 from gui.__main__ import main

@@ -4,12 +4,13 @@ import pytest
 from design_world import known, run_of, runs_of
 from sqlalchemy import select
 
-from annotation import schema, study
-from annotation.design import Design, create_design, judged_counts
-from annotation.exchange import merge_handles
+from annotation import study
+from annotation.design.designing import Design, create_design, judged_counts
+from annotation.design.topup import name_gold, name_practice, top_up, top_up_study
+from annotation.exchange.merging import merge_handles
+from annotation.storage import schema
 from annotation.study import add_run
-from annotation.topup import name_gold, name_practice, top_up, top_up_study
-from annotation.voting import open_items
+from annotation.voting.answering import open_items
 from engine.errors import BadParameter
 
 DESIGN = Design(name="Lamps", gold=0, practice=0, overlap=0.5)

@@ -9,8 +9,10 @@ import pytest
 from judging_world import LAMP, ONE_TO_ONE, VASE, identity, result
 from sqlalchemy import insert, update
 
-from annotation import invitations, schema, study
-from annotation.serverrules import VOLUNTEER_PATH
+from annotation import study
+from annotation.server import invitations
+from annotation.server.rules import VOLUNTEER_PATH
+from annotation.storage import schema
 from engine.errors import BadInput
 from engine.shapes.result import ShapeRecord
 

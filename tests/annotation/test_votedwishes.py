@@ -8,7 +8,7 @@ import pytest
 
 from annotation import study
 from annotation.__main__ import main
-from annotation.votedwishes import read_voted_wishes, voted_wishes
+from annotation.results.votedwishes import read_voted_wishes, voted_wishes
 from engine.errors import BadInput
 from engine.shapes.describing import describe
 from engine.shapes.matching import propose, rematch

@@ -9,7 +9,10 @@ import time
 import pytest
 from judging_world import LAMP, VASE, identity, study_of
 
-from annotation import asking, backup, study, voting
+from annotation import study
+from annotation.storage import backup
+from annotation.voting import answering as voting
+from annotation.voting import asking
 
 FOOT, STEM, SHADE = (identity(LAMP, (n,), VASE, (n,)) for n in range(3))
 

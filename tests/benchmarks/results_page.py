@@ -17,7 +17,7 @@ from study_table import fill  # noqa: E402
 from annotation import study  # noqa: E402
 from gui.jobs import Jobs  # noqa: E402
 from gui.pages.judging import Judging  # noqa: E402
-from gui.pages.results import ResultsPage  # noqa: E402
+from gui.pages.results.page import ResultsPage  # noqa: E402
 from gui.session import Session, State  # noqa: E402
 
 

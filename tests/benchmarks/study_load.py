@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "annotation"))
 from killing import VOTER, Told, add_many, begin, started, told
 
 from annotation import study
-from annotation.invitations import invite
+from annotation.server.invitations import invite
 
 
 @contextlib.contextmanager

@@ -15,9 +15,10 @@ from pathlib import Path
 
 from sqlalchemy import insert
 
-from annotation import schema, study
-from annotation.asking import asked_item, needless_in_front
-from annotation.precision import precision_table
+from annotation import study
+from annotation.findings.precision import precision_table
+from annotation.storage import schema
+from annotation.voting.asking import asked_item, needless_in_front
 
 
 def fill(handle: study.StudyHandle, items: int, volunteers: int, votes: int, seed: int = 1) -> None:

@@ -12,10 +12,11 @@ sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parents[1] / 
 from design_world import run_of  # noqa: E402
 from sqlalchemy import insert  # noqa: E402
 
-from annotation import schema, study  # noqa: E402
-from annotation.findings import findings  # noqa: E402
-from annotation.overview import overview  # noqa: E402
-from annotation.precision import ballots, precision_table  # noqa: E402
+from annotation import study  # noqa: E402
+from annotation.findings.overview import overview  # noqa: E402
+from annotation.findings.precision import ballots, precision_table  # noqa: E402
+from annotation.findings.working import findings  # noqa: E402
+from annotation.storage import schema  # noqa: E402
 
 ITEMS, VOLUNTEERS, METHODS, SETS, PAIRS, EACH = 5000, 12, 3, 3, 30, 60
 

@@ -25,8 +25,8 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from annotation import study
-from annotation.blobs import keep_shapes
-from annotation.puzzlejoins import join_items
+from annotation.results.puzzlejoins import join_items
+from annotation.storage.blobs import keep_shapes
 from assets import example_pairs, example_picture
 from engine.puzzles.cutting import cut
 from engine.puzzles.imagefile import opaque, read_image
@@ -34,7 +34,7 @@ from engine.puzzles.solution import Joins
 from engine.shapes.identity import match_id, mesh_id, node_id, segment_ids
 from engine.shapes.meshfile import load_shape
 from engine.shapes.segmentation import SegmentedShape
-from gui.pages import voting_desk
+from gui.pages.voting import desk as voting_desk
 from gui.views.join import JoinView
 from gui.views.voting_pair import VotingPairView
 from gui.volunteer import VolunteerWindow

@@ -8,7 +8,7 @@ import pytest
 from test_results import save
 from world import LAMP, boxes
 
-from annotation.resultfile import read_results
+from annotation.results.resultfile import read_results
 from engine.__main__ import build_app, main
 from engine.cli import run
 from engine.errors import BadInput

@@ -1,9 +1,9 @@
 """Results of two methods on pairs of bars, made by hand, and a study of them with votes, for tests of the researcher's side."""
 
-from annotation.blobs import keep_shapes
-from annotation.design import Design, create_design
-from annotation.proposals import shape_item
+from annotation.design.designing import Design, create_design
 from annotation.records import Practice, Proposal, Run
+from annotation.results.proposals import shape_item
+from annotation.storage.blobs import keep_shapes
 from annotation.study import record_vote
 from engine.shapes.identity import match_id, mesh_id, node_id, segment_ids
 

@@ -9,8 +9,8 @@ from PySide6.QtCore import QPoint, Qt
 from engine.shapes import collection_matching
 from engine.shapes.families.collection import off_text
 from gui.main_window import MainWindow
-from gui.pages.arrange import arranged, listed
-from gui.pages.collection_state import kept_count, row_of
+from gui.pages.collection.state import kept_count, row_of
+from gui.pages.shapes.arrange import arranged, listed
 from gui.views.collection_layout import corner
 
 

@@ -14,7 +14,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QLabel, QPushButton
 from sqlalchemy import delete
 
-from annotation import schema, study
+from annotation import study
+from annotation.storage import schema
 from engine.shapes import matching
 from engine.shapes.families.collection import off_text
 from engine.shapes.meshfile import load_shape
@@ -22,8 +23,8 @@ from engine.shapes.parameters import DEFAULT_PRESET, PRESETS
 from engine.shapes.proposing import is_judged
 from gui import actions
 from gui.main_window import MainWindow
-from gui.pages.arrange import listed
-from gui.pages.matching import JUDGE, needed
+from gui.pages.shapes.arrange import listed
+from gui.pages.shapes.matching import JUDGE, needed
 
 
 def write_bar(folder, shape, name):

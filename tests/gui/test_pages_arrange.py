@@ -12,7 +12,8 @@ from engine.shapes.multilayer import MultiLayerGraph
 from engine.shapes.parameters import preset
 from engine.shapes.result import Match, MatchResult, ShapeRecord
 from gui.folders import MOST_RECENT, with_recent
-from gui.pages.arrange import (
+from gui.pages.files import labels_for, sorted_drop
+from gui.pages.shapes.arrange import (
     SHOWN,
     arranged,
     empty_words,
@@ -29,10 +30,9 @@ from gui.pages.arrange import (
     smallest_with,
     state_of,
 )
-from gui.pages.files import labels_for, sorted_drop
-from gui.pages.layers import Place, layer_words, node_list, step_layer, step_node
+from gui.pages.shapes.layers import Place, layer_words, node_list, step_layer, step_node
 from gui.pages.status import judged_text, left_text, seconds_text
-from gui.pages.voting_words import progress_text
+from gui.pages.voting.words import progress_text
 from gui.session import State
 
 A = Match("a", (0,), (1,), 1.0, 5, 1, 1, 0.95)

@@ -9,8 +9,8 @@ from jigsaw import PX, cut_small, flat, true_solution, two_by_two
 from engine.puzzles.parameters import PuzzleParameters
 from engine.puzzles.pieces import Puzzle
 from engine.puzzles.solution import UNPLACED, Joins, Pin, no_joins
-from gui.pages.puzzle_contacts import alike, beside, contacts, turned_round
-from gui.pages.puzzle_edits import (
+from gui.pages.puzzle.contacts import alike, beside, contacts, turned_round
+from gui.pages.puzzle.edits import (
     NO_WISHES,
     empty_solution,
     forbid,
@@ -29,9 +29,9 @@ from gui.pages.puzzle_edits import (
     unpin,
     without,
 )
-from gui.pages.puzzle_overlay import ghost
-from gui.pages.puzzle_solving import moved_pieces
-from gui.pages.puzzle_state import ASSEMBLE, NOTHING, PREPARE, PuzzleState, by_worst, counts_text, needed, percent
+from gui.pages.puzzle.overlay import ghost
+from gui.pages.puzzle.solving import moved_pieces
+from gui.pages.puzzle.state import ASSEMBLE, NOTHING, PREPARE, PuzzleState, by_worst, counts_text, needed, percent
 from gui.session import Session
 from gui.views.puzzle_layout import arrange
 from gui.views.puzzle_scene import join_keys
@@ -293,7 +293,7 @@ def test_a_partner_that_is_placed_bears_the_confidence_of_its_join():
     """Either way round; the others keep the confidence of their borders."""
     from types import SimpleNamespace
 
-    from gui.pages.puzzle_partners import with_placed
+    from gui.pages.puzzle.partners import with_placed
 
     def joins(rows, sure):
         return Joins(np.array(rows), np.zeros((len(rows), 2)), np.zeros(len(rows)), np.array(sure))

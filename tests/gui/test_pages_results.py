@@ -6,23 +6,23 @@ import pytest
 from research_world import items_of, judged_study, runs_of_bars
 
 from annotation import study
-from annotation.blobs import keep_shapes
-from annotation.design import Design, create_design
-from annotation.findings import findings
-from annotation.findings_tables import tables
-from annotation.flags import Disputed
-from annotation.majority import majority_of
-from annotation.overview import VolunteerRow
-from annotation.precision import precision_table
+from annotation.design.designing import Design, create_design
+from annotation.design.flags import Disputed
+from annotation.findings.overview import VolunteerRow
+from annotation.findings.precision import precision_table
+from annotation.findings.tables import tables
+from annotation.findings.working import findings
+from annotation.storage.blobs import keep_shapes
+from annotation.voting.majority import majority_of
 from gui.jobs import Jobs
 from gui.pages.choice_bar import ChoiceBar
 from gui.pages.judging import Judging
-from gui.pages.match_preview import PICK, files_of, read_match
 from gui.pages.plots import IntervalPlot, Mark, legend, names, placed
 from gui.pages.quiet_table import row_texts
-from gui.pages.results import CHOICES, NO_STUDY, ResultsPage
-from gui.pages.results_precision import marks
-from gui.pages.volunteers import HEADS, advice, people_cells, summary, when
+from gui.pages.results.match_preview import PICK, files_of, read_match
+from gui.pages.results.page import CHOICES, NO_STUDY, ResultsPage
+from gui.pages.results.precision import marks
+from gui.pages.study.volunteers import HEADS, advice, people_cells, summary, when
 from gui.session import Session, State
 
 NOW = datetime(2026, 3, 12, 14, 0, tzinfo=UTC)
@@ -151,7 +151,7 @@ def test_figures_follow_votes(judged):
 
 def test_figures_are_worked_out_once_for_all_sections_and_never_kept_over_a_vote(judged, monkeypatch):
     worked = []
-    monkeypatch.setattr("gui.pages.results.findings", lambda handle: worked.append(handle) or findings(handle))
+    monkeypatch.setattr("gui.pages.results.page.findings", lambda handle: worked.append(handle) or findings(handle))
     for name in ("agreement", "compared", "disputed", "agreement"):
         choose(judged, name)
     assert len(worked) == 1

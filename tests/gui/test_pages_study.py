@@ -7,12 +7,12 @@ from PySide6.QtWidgets import QLabel, QPushButton
 from voting_world import settle
 
 from annotation import study
-from annotation.puzzlejoins import add_solution, join_ids
+from annotation.results.puzzlejoins import add_solution, join_ids
 from engine.shapes.identity import match_id, mesh_id, node_id, segment_ids
 from gui.jobs import Jobs
 from gui.pages.judging import Judging
-from gui.pages.questions import JOIN_QUESTION, JoinQuestion, Question, keep
-from gui.pages.study import StudyPage
+from gui.pages.voting.page import StudyPage
+from gui.pages.voting.questions import JOIN_QUESTION, JoinQuestion, Question, keep
 from gui.session import Session, State
 
 PAIRS = 2

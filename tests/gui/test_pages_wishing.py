@@ -12,9 +12,9 @@ from engine.shapes.families.collection import off_text
 from engine.shapes.segmentation import SegmentedShape, segmentation_from_labels
 from engine.shapes.wishes import NO_WISHES, Wishes
 from gui.main_window import MainWindow
-from gui.pages.arrange import listed
-from gui.pages.panels import WishStrip
-from gui.pages.wishing import answered_wishes, count_text, wish_of
+from gui.pages.shapes.arrange import listed
+from gui.pages.shapes.panels import WishStrip
+from gui.pages.shapes.wishing import answered_wishes, count_text, wish_of
 from gui.views.links import marked, signed
 from gui.views.scene import Link
 

@@ -21,11 +21,11 @@ from engine.puzzles.solution import Pin
 from engine.puzzles.solving import candidate_joins
 from gui import folders
 from gui.main_window import MainWindow
-from gui.pages.puzzle_edits import NO_WISHES
-from gui.pages.puzzle_files import CutDialog, PuzzleFiles
-from gui.pages.puzzle_hands import pin_of
-from gui.pages.puzzle_solving import Cut, check_droppable
-from gui.pages.puzzle_state import frame_known, opened
+from gui.pages.puzzle.edits import NO_WISHES
+from gui.pages.puzzle.files import CutDialog, PuzzleFiles
+from gui.pages.puzzle.hands import pin_of
+from gui.pages.puzzle.solving import Cut, check_droppable
+from gui.pages.puzzle.state import frame_known, opened
 from gui.startup import open_window
 from gui.views.puzzle_scene import bins, join_key, join_keys, seams
 

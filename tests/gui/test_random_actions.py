@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QApplication, QDialog, QFileDialog, QInputDialog
 from engine.shapes.families.collection import off_text
 from gui import actions
 from gui.main_window import MainWindow
-from gui.pages.arrange import SHOWN
+from gui.pages.shapes.arrange import SHOWN
 
 ACTIONS = 300
 

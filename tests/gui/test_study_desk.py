@@ -10,16 +10,16 @@ from PySide6.QtWidgets import QDialog, QFileDialog, QLineEdit, QWidget
 from research_world import judged_study, runs_of_bars
 
 from annotation import study
-from annotation.proposals import add_run
-from annotation.studyruns import Unasked, item_count
+from annotation.results.proposals import add_run
+from annotation.results.studyruns import Unasked, item_count
 from engine.shapes.families.collection import off_text
 from gui.main_window import MainWindow
-from gui.pages import study_work
 from gui.pages.ask_dialog import AskDialog, Field
-from gui.pages.study_asks import formats_of, free_file, packet_fields, top_up_fields
-from gui.pages.study_sources import Source
-from gui.pages.study_watch import stamp
-from gui.pages.study_wizard import STEPS, StudyWizard, Wanted
+from gui.pages.study import work as study_work
+from gui.pages.study.asks import formats_of, free_file, packet_fields, top_up_fields
+from gui.pages.study.sources import Source
+from gui.pages.study.watch import stamp
+from gui.pages.study.wizard import STEPS, StudyWizard, Wanted
 
 
 @pytest.fixture

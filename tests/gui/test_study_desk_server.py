@@ -8,11 +8,11 @@ from PySide6.QtWidgets import QDialog, QLineEdit
 from research_world import runs_of_bars
 
 from annotation import study
-from annotation.design import Design, create_design
+from annotation.design.designing import Design, create_design
 from gui.main_window import MainWindow
 from gui.pages.ask_dialog import AskDialog
-from gui.pages.study_sources import Source
-from gui.pages.study_wizard import STEPS, StudyWizard
+from gui.pages.study.sources import Source
+from gui.pages.study.wizard import STEPS, StudyWizard
 
 sys.path.append(str(Path(__file__).parents[1] / "annotation"))
 from postgres_server import Unavailable, running

@@ -4,7 +4,7 @@ import base64
 import re
 
 from annotation import study
-from annotation.blobs import keep_shapes
+from annotation.storage.blobs import keep_shapes
 from engine.shapes.identity import match_id, mesh_id, node_id, segment_ids
 from gui.__main__ import main
 

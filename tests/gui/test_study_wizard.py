@@ -5,16 +5,16 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel
 from research_world import items_of, known, runs_of_bars
 
-from annotation.design import Design, draw_design
-from annotation.planning import Expectations, needed, votes_each
+from annotation.design.designing import Design, draw_design
+from annotation.design.planning import Expectations, needed, votes_each
 from engine.errors import BadInput
 from engine.parameters import declared
-from gui.pages.calculator import expected_of, given_text
-from gui.pages.design_form import DesignForm, decimals
-from gui.pages.study_sources import Source, counted, counts_text, hours_text, plan_text, plural
-from gui.pages.study_wizard import STEPS, StudyWizard
-from gui.pages.wizard_results import problem
-from gui.pages.wizard_steps import Place, ending_for, suggested, with_password
+from gui.pages.study.calculator import expected_of, given_text
+from gui.pages.study.design_form import DesignForm, decimals
+from gui.pages.study.sources import Source, counted, counts_text, hours_text, plan_text, plural
+from gui.pages.study.wizard import STEPS, StudyWizard
+from gui.pages.study.wizard_results import problem
+from gui.pages.study.wizard_steps import Place, ending_for, suggested, with_password
 
 
 @pytest.fixture
@@ -68,7 +68,7 @@ def test_what_is_ticked_is_counted_once_whoever_proposed_it(wizard, runs):
 
 def test_a_plan_is_drawn_anew_only_where_it_may_differ(wizard, monkeypatch):
     drawn = []
-    monkeypatch.setattr("gui.pages.study_wizard.draw_design", lambda *a, **k: drawn.append(a) or draw_design(*a, **k))
+    monkeypatch.setattr("gui.pages.study.wizard.draw_design", lambda *a, **k: drawn.append(a) or draw_design(*a, **k))
     to(wizard, "place")
     before = len(drawn)
     wizard.place.form.rows["name"].show_value("Another name")

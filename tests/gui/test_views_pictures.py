@@ -111,7 +111,7 @@ def test_the_inspector_picks_hides_and_isolates(qapp, qtbot, tmp_path, make_bar)
 
 
 def test_a_match_is_drawn_with_its_parts_marked(qapp, make_bar):
-    from annotation.shownitems import ShownParts
+    from annotation.results.shownitems import ShownParts
     from gui.palette import LIGHT, rgb
     from gui.views.parts_picture import draw_parts
 

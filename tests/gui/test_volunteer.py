@@ -10,8 +10,8 @@ from voting_world import REASON, make_study, put_roles, settle
 
 from annotation import study
 from engine.errors import BadInput
-from gui.pages import voting_desk
-from gui.pages.questions import Question
+from gui.pages.voting import desk as voting_desk
+from gui.pages.voting.questions import Question
 from gui.volunteer import VolunteerWindow
 
 K = Qt.Key

@@ -14,7 +14,7 @@ from test_volunteer import current, press, windows  # noqa: F401  (the fixture)
 from voting_world import SECRETS, make_study, settle
 
 from annotation import study
-from gui.pages.questions import JoinQuestion, Question
+from gui.pages.voting.questions import JoinQuestion, Question
 
 K = Qt.Key
 ACTIONS = 160  # 500 with other seeds were tried, too; they take 20 s
@@ -123,7 +123,7 @@ def test_a_gold_match_is_asked_like_any_other(qtbot, windows, tmp_path, make_bar
 
 
 def test_a_packet_opens_under_its_own_code(qtbot, windows, tmp_path, make_bar):  # noqa: F811
-    from annotation.packets import make_packet
+    from annotation.exchange.packets import make_packet
 
     path = tmp_path / "bars.study"
     make_study(path, make_bar, votes=2)

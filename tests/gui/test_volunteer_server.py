@@ -9,7 +9,8 @@ from test_volunteer import press, windows  # noqa: F401  (the fixture)
 from test_volunteer_blind import reachable, texts
 from voting_world import SECRETS, make_study, settle
 
-from annotation import invitations, study
+from annotation import study
+from annotation.server import invitations
 
 sys.path.append(str(Path(__file__).parents[1] / "annotation"))
 from postgres_server import Unavailable, running

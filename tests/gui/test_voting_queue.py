@@ -1,9 +1,9 @@
 """The order of questions in one window, by hand."""
 
 from annotation.records import OpenItem, Practice, VotingProgress
-from gui.pages.voting_queue import Queue
-from gui.pages.voting_watch import LONGEST_PAUSE, Watch
-from gui.pages.voting_words import done_text, feedback, guideline_html, progress_text, unknown_trouble, welcome_text
+from gui.pages.voting.queue import Queue
+from gui.pages.voting.watch import LONGEST_PAUSE, Watch
+from gui.pages.voting.words import done_text, feedback, guideline_html, progress_text, unknown_trouble, welcome_text
 
 P, A, B, C = (OpenItem(name, 0 if name == "p" else 1) for name in "pabc")
 ALL = Queue(open=(P, A, B, C))

@@ -5,12 +5,13 @@ from puzzle_world import cut_up, joins_of, solved, touching
 from PySide6.QtWidgets import QApplication
 from sqlalchemy import insert
 
-from annotation import schema, study
-from annotation.blobs import keep_shapes
-from annotation.proposals import add_run
-from annotation.puzzlejoins import add_solution
+from annotation import study
 from annotation.records import Proposal, Run
-from annotation.stamps import now
+from annotation.results.proposals import add_run
+from annotation.results.puzzlejoins import add_solution
+from annotation.storage import schema
+from annotation.storage.blobs import keep_shapes
+from annotation.storage.stamps import now
 from engine.shapes.identity import match_id, mesh_id, node_id, segment_ids
 from engine.shapes.mesh import Mesh
 from engine.shapes.segmentation import SegmentedShape

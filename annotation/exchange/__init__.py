@@ -1,0 +1,1 @@
+"""Packets out and back, merging, exports, archives, and deleting a volunteer."""

@@ -1,0 +1,1 @@
+"""What the votes say: precision, agreement, comparisons, volunteers, as tables and reports."""

@@ -1,0 +1,1 @@
+"""Where a study lies and how it stays whole: tables, files, backups, migrations, shapes."""

@@ -1,0 +1,1 @@
+"""Volunteers and their votes: what comes next, every answer as an event, majorities."""

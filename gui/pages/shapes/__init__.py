@@ -1,0 +1,1 @@
+"""The page of two shapes: their matches, parameters, judging and wishes."""

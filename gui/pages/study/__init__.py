@@ -1,0 +1,1 @@
+"""What a researcher does with a study: making one, its volunteers, packets and exports."""

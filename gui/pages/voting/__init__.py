@@ -1,0 +1,1 @@
+"""The voting screen: one match, one question, keys only."""

@@ -43,7 +43,8 @@ MERGER = f"import sys\nfrom annotation.exchange.merging import merge\n{_READY}me
 
 MIGRATOR = f"""
 import sys, time
-from annotation import database, migrations, study
+from annotation import study
+from annotation.storage import database, migrations
 import alembic.operations, alembic.runtime.migration
 pause = float(sys.argv[2])
 def slowly(connection, version):
@@ -55,7 +56,8 @@ database.migrate = slowly
 
 KEEPER = f"""
 import random, sys, time
-from annotation import backup, study
+from annotation import study
+from annotation.storage import backup
 backup.EVERY_SECONDS = 0.0
 path, code = sys.argv[1], sys.argv[2]
 draw = random.Random(code)

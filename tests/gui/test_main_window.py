@@ -16,7 +16,7 @@ from sqlalchemy import delete
 
 from annotation import study
 from annotation.storage import schema
-from engine.shapes import matching
+from engine.shapes import matching, proposing
 from engine.shapes.families.collection import off_text
 from engine.shapes.meshfile import load_shape
 from engine.shapes.parameters import DEFAULT_PRESET, PRESETS
@@ -167,7 +167,14 @@ def test_presets_and_undo_bring_the_results_along(ready, qtbot):
 
 def test_the_learned_method_looks_at_pairs_of_another_in_a_job_that_can_be_stopped(window, files, qtbot, monkeypatch):
     monkeypatch.setattr(matching, "rematch", lambda *a, rematch=matching.rematch, **k: rematched.append(a) or rematch(*a, **k))
-    rematched, told = [], []
+    rematched, told, go_on, judge = [], [], threading.Event(), proposing.judge
+
+    def held(*shapes, progress):  # on small shapes it may be through before anybody stops it
+        while not go_on.wait(0.005):
+            progress(0.0, "held")
+        return judge(*shapes, progress=progress)
+
+    monkeypatch.setattr(proposing, "judge", held)
     window.matching.choose_preset("top-down")
     window.files.pair(*files)
     settle(window, qtbot)
@@ -183,6 +190,7 @@ def test_the_learned_method_looks_at_pairs_of_another_in_a_job_that_can_be_stopp
     assert (state.result, state.parameters, state.preset, rematched) == (shown, PRESETS["top-down"], "top-down", [])
     window.matching.choose_preset("learned")
     window.matching.edit("probability_min", 0.4, True)  # meanwhile; it is followed when the pairs have been judged
+    go_on.set()
     settle(window, qtbot)
     state = window.session.state
     assert (state.result.method, state.result.parameters.probability_min) == ("learned", 0.4)

@@ -28,10 +28,12 @@ Method = tuple[str, str]
 class Compared(NamedTuple):
     """A method against another one on the pairs of a set where both have a precision (`test`: second - first).
 
-    `holm_permutation` and `holm_wilcoxon` are the p-values adjusted for the number of sets; on all sets together they
-    are those of the test itself. McNemar's test is over the matches that one method alone proposes, on the `seen_pairs`
-    pairs where all proposals of both have been seen: `first_right` counts those on which the first method is right (its
-    own that are correct, the other's that are wrong), `second_right` the rest; p-values are None below 6 pairs.
+    McNemar's test asks whether both find the same share of what is known to be correct: its cases are the matches that are
+    correct by majority and that either proposes, on the `seen_pairs` pairs where all proposals of both have been seen, and
+    a method finds each or does not. `first_alone` of them only the first one finds, `second_alone` only the second. What
+    is wrong or a tie is no case: a method is not asked about what it does not propose, and wrong proposals lower precision,
+    which `test` compares. `holm_permutation`, `holm_wilcoxon` and `holm_mcnemar` are adjusted for the number of sets; on all
+    sets together they are those of the tests themselves. All p-values are None below 6 pairs.
     """
 
     first: Method
@@ -41,9 +43,10 @@ class Compared(NamedTuple):
     holm_permutation: float | None
     holm_wilcoxon: float | None
     seen_pairs: int
-    first_right: int
-    second_right: int
+    first_alone: int
+    second_alone: int
     mcnemar: float | None
+    holm_mcnemar: float | None
 
 
 class LeftOut(NamedTuple):
@@ -77,7 +80,8 @@ def compared(results: Sequence[Proposed], cast: Mapping[str, Cast], weights: Wei
         names = sorted(one.keys() & two.keys())
         found = [_compared(first, second, name, one[name], two[name], cast, weights) for name in names]
         p, q = holm([c.test.permutation for c in found]), holm([c.test.wilcoxon for c in found])
-        rows += [c._replace(holm_permutation=p[k], holm_wilcoxon=q[k]) for k, c in enumerate(found)]
+        m = holm([c.mcnemar for c in found])
+        rows += [c._replace(holm_permutation=p[k], holm_wilcoxon=q[k], holm_mcnemar=m[k]) for k, c in enumerate(found)]
         if len(names) > 1:
             a, b = ([r for name in names for r in sets[name]] for sets in (one, two))
             rows.append(_compared(first, second, ALL_SETS, a, b, cast, weights))
@@ -92,11 +96,9 @@ def _compared(
     both = sorted(a.keys() & b.keys())
     test = paired_test(*(_precisions([side[pair] for pair in both], cast, weights) for side in (a, b)))
     seen = [pair for pair in both if all(item in cast for item in a[pair] | b[pair])]
-    alone = [_verdicts((a[pair] - b[pair] for pair in seen), cast), _verdicts((b[pair] - a[pair] for pair in seen), cast)]
-    one_right = alone[0].count("correct") + alone[1].count("wrong")
-    two_right = alone[1].count("correct") + alone[0].count("wrong")
-    p = mcnemar(one_right, two_right) if len(seen) >= LEAST_PAIRS else None
-    return Compared(first, second, set_name, test, test.permutation, test.wilcoxon, len(seen), one_right, two_right, p)
+    alone = [_correct((mine[pair] - other[pair] for pair in seen), cast) for mine, other in ((a, b), (b, a))]
+    p = mcnemar(*alone) if len(seen) >= LEAST_PAIRS else None
+    return Compared(first, second, set_name, test, test.permutation, test.wilcoxon, len(seen), *alone, p, p)
 
 
 def _precisions(pairs: Iterable[Iterable[str]], cast: Mapping[str, Cast], weights: Weights | None) -> list[float]:
@@ -104,8 +106,9 @@ def _precisions(pairs: Iterable[Iterable[str]], cast: Mapping[str, Cast], weight
     return [s.correct / s.decided if s.decided else float("nan") for s in by_pair(pairs, cast, weights)]
 
 
-def _verdicts(groups: Iterable[Iterable[str]], cast: Mapping[str, Cast]) -> list[str]:
-    return [cast[item].majority.verdict for items in groups for item in items]
+def _correct(groups: Iterable[Iterable[str]], cast: Mapping[str, Cast]) -> int:
+    """How many of these items, all of them seen, are correct."""
+    return sum(cast[item].majority.verdict == "correct" for items in groups for item in items)
 
 
 def leave_one_out(

@@ -13,8 +13,8 @@ import numpy as np
 from .ballots import Ballot
 
 LEAST_VOLUNTEERS = 3  # of two, nothing can say which of them errs
-ROUNDS = 500
-CLOSE = 1e-7  # gain of the log-likelihood per vote below which the search ends
+ROUNDS = 5000
+CLOSE = 1e-6  # change of every probability below which the search ends
 PRIOR = 1.0  # imagined votes of each kind: few votes do not make a volunteer perfect
 
 
@@ -48,9 +48,10 @@ def dawid_skene(votes: Sequence[Ballot], *, prior: float = PRIOR) -> DawidSkene 
     trace: list[float] = []
     while True:
         share, right = _maximised(p, of, by, yes, len(volunteers), prior)
+        before = p
         p, objective = _expected(share, right, of, by, yes, len(items), prior)
         trace.append(objective)
-        if len(trace) == ROUNDS or (len(trace) > 1 and objective - trace[-2] < CLOSE * len(told)):
+        if len(trace) == ROUNDS or np.abs(p - before).max() < CLOSE:
             return DawidSkene(tuple(items), p, tuple(volunteers), right[:, 0], right[:, 1], share, tuple(trace))
 
 

@@ -8,8 +8,9 @@ from engine.evaluation.tables import NOTHING, Table
 from engine.evaluation.thesis_tables import set_table
 
 from .agreement import OVERLAPPED
-from .comparing import Compared
-from .tabletext import PRECISION_HEAD, method_name, number, plain_table, precision_values, row_name, shown_range
+from .comparing import Compared, Method
+from .precision import GUIDED
+from .tabletext import PRECISION_HEAD, method_name, number, plain_table, precision_values, shown_range
 from .working import Findings
 
 Section = Literal["all", "precision", "recall", "agreement", "volunteers", "compared", "sensitivity", "disputed"]
@@ -33,9 +34,11 @@ SKILL = (" Sensitivity and specificity are shares of correct matches called corr
          "Dawid and Skene (1979) from the votes alone.")  # fmt: skip
 COMPARED = ("Difference of precision in points, second less first, on pairs where both have one; p of the permutation of methods "
             "within pairs and of Wilcoxon's signed ranks, two-sided, adjusted after Holm for the number of sets (the row of all sets "
-            "is not adjusted). McNemar's exact test is over matches that one of the two proposes alone, on pairs where all proposals "
-            "of both have been seen: whether the one that proposed or the one that did not was right; it takes matches as "
-            "independent. No p below 6 pairs.")  # fmt: skip
+            "is not adjusted). The last two columns are about recall: of the matches known to be correct, how many the first and the "
+            "second finds alone, on pairs where all proposals of both have been seen, and McNemar's exact test of these two "
+            "numbers, adjusted likewise; it takes matches as independent, which those of one pair seldom are. No p below 6 "
+            "pairs.")  # fmt: skip
+TUNED = " † Parameters chosen on votes or a truth: the figure flatters."
 SENSITIVITY = "The range of precision when each volunteer in turn is left out, and whose leaving moves it most."
 MODEL = (" The model of Dawid and Skene weighs volunteers by their reliability; its figure is the mean probability of being correct of "
          "all matches with a vote for or against, ties too.")  # fmt: skip
@@ -67,9 +70,10 @@ def _precision(found: Findings) -> list[Table]:
 
 
 def _recall(found: Findings) -> list[Table]:
-    rows = [(row_name(r), r.set_name or NOTHING, f"{r.recall_pairs} of {r.pairs}", number(r.recall))
+    marked = _marked(found)
+    rows = [(marked[r[:2]], r.set_name or NOTHING, f"{r.recall_pairs} of {r.pairs}", number(r.recall))
             for r in (*found.rows, *found.chosen) if r.recall_pairs]  # fmt: skip
-    return [Table("Pooled recall", ("method", "set", "pairs fully seen", "recall %"), rows, 2, RECALL)]
+    return [Table("Pooled recall", ("method", "set", "pairs fully seen", "recall %"), rows, 2, RECALL + _told(found))]
 
 
 def _agreement(found: Findings) -> list[Table]:
@@ -93,26 +97,28 @@ def _volunteers(found: Findings) -> list[Table]:
 
 def _compared(found: Findings) -> list[Table]:
     head = ("first", "second", "set", "pairs", "better / worse / equal", "difference", "p (permutation)", "p (Wilcoxon)",
-            "p (McNemar)")  # fmt: skip
+            "correct, found alone", "p (McNemar)")  # fmt: skip
+    marked = _marked(found)
     rows = [
-        (method_name(c.first), method_name(c.second), c.set_name or NOTHING, str(c.test.pairs),
+        (marked[c.first], marked[c.second], c.set_name or NOTHING, str(c.test.pairs),
          f"{c.test.better} / {c.test.worse} / {c.test.equal}", f"{100 * c.test.difference:+.1f}", _p(c.holm_permutation),
-         _p(c.holm_wilcoxon), _mcnemar(c))
+         _p(c.holm_wilcoxon), *_found_alone(c))
         for c in found.compared
         if c.test.pairs
     ]  # fmt: skip
-    return [Table("Methods compared, pair by pair", head, rows, 3, COMPARED)]
+    return [Table("Methods compared, pair by pair", head, rows, 3, COMPARED + _told(found))]
 
 
 def _sensitivity(found: Findings) -> list[Table]:
-    model = {row[:3]: row.model for row in found.modelled}
+    model, marked = {row[:3]: row.model for row in found.modelled}, _marked(found)
     rows = [
-        (method_name(row[:2]), row.set_name or NOTHING, number(row.micro), shown_range(row.low, row.high), row.volunteer or NOTHING,
+        (marked[row[:2]], row.set_name or NOTHING, number(row.micro), shown_range(row.low, row.high), row.volunteer or NOTHING,
          *((number(model.get(row[:3])),) if model else ()))
         for row in found.left_out
     ]  # fmt: skip
     head = ("method", "set", "precision %", "without one volunteer", "moved most by", *(("Dawid-Skene %",) if model else ()))
-    return [Table("How far the figures hang on single volunteers", head, rows, 2, SENSITIVITY + (MODEL if model else ""))]
+    return [Table("How far the figures hang on single volunteers", head, rows, 2,
+                  SENSITIVITY + (MODEL if model else "") + _told(found))]  # fmt: skip
 
 
 def _disputed(found: Findings) -> list[Table]:
@@ -122,6 +128,17 @@ def _disputed(found: Findings) -> list[Table]:
         for d in found.disputed
     ]  # fmt: skip
     return [Table("The most disputed matches", ("match", "pair", "set", "comments", "correct", "wrong", "unsure"), rows, 4, DISPUTED)]
+
+
+def _marked(found: Findings) -> dict[Method, str]:
+    """The methods' names; a mark for those whose parameters were chosen, where the name does not say that people guided it."""
+    fixed, chosen = {row[:2] for row in found.rows}, {row[:2] for row in found.chosen}
+    return {m: method_name(m) + ("†" if m in chosen and not m[0].endswith(GUIDED) else "") for m in fixed | chosen}
+
+
+def _told(found: Findings) -> str:
+    """What the mark says, where there is one."""
+    return TUNED if any(name.endswith("†") for name in _marked(found).values()) else ""
 
 
 def _shortened(text: str) -> str:
@@ -144,8 +161,8 @@ def _volunteer_values(found: Findings) -> Values:
 
 def _compared_values(found: Findings) -> Values:
     head = ("first", "first_preset", "second", "second_preset", "set", "pairs", "better", "worse", "equal", "mean_difference",
-            "p_permutation", "p_wilcoxon", "p_permutation_holm", "p_wilcoxon_holm", "fully_seen_pairs", "first_right",
-            "second_right", "p_mcnemar")  # fmt: skip
+            "p_permutation", "p_wilcoxon", "p_permutation_holm", "p_wilcoxon_holm", "fully_seen_pairs", "first_alone_correct",
+            "second_alone_correct", "p_mcnemar", "p_mcnemar_holm")  # fmt: skip
     return head, [
         (*c.first, *c.second, c.set_name, *c.test[:4], c.test.difference if c.test.pairs else None, *c.test[5:], *c[4:])
         for c in found.compared
@@ -177,8 +194,9 @@ def _p(value: float | None) -> str:
     return NOTHING if value is None else "< .001" if value < 0.001 else f"{value:.3f}".removeprefix("0")
 
 
-def _mcnemar(row: Compared) -> str:
-    return NOTHING if row.mcnemar is None else f"{_p(row.mcnemar)} ({row.first_right} : {row.second_right})"
+def _found_alone(row: Compared) -> tuple[str, str]:
+    """What each of the two alone finds of the correct matches, and the p of it."""
+    return f"{row.first_alone} : {row.second_alone}" if row.seen_pairs else NOTHING, _p(row.holm_mcnemar)
 
 
 _TABLES: dict[str, Callable[[Findings], Sequence[Table]]] = {

@@ -21,21 +21,29 @@ def two_methods(sets=("lamps",)):
     return results, votes
 
 
-def test_differences_pair_by_pair_and_mcnemar_on_what_one_proposes_alone():
-    """n is always better by a half; of the two matches that one proposes alone n is right about both."""
+def test_differences_pair_by_pair_and_mcnemar_on_correct_matches_found_alone():
+    """n is always better by a half; on each pair it alone finds a correct match, and m alone a wrong one, which is no case."""
     results, votes = two_methods()
     (row,) = compared(results, counted(votes))
     assert (row.first, row.second, row.set_name) == (("m", "m"), ("n", "n"), "lamps")
     assert row.test[:5] == (7, 7, 0, 0, pytest.approx(0.5))
     assert row.test.permutation == pytest.approx(2 / 2**7)
-    assert (row.seen_pairs, row.first_right, row.second_right) == (7, 0, 14)
-    assert row.mcnemar == pytest.approx(binomtest(0, 14).pvalue)
+    assert (row.seen_pairs, row.first_alone, row.second_alone) == (7, 0, 7)
+    assert row.mcnemar == row.holm_mcnemar == pytest.approx(binomtest(0, 7).pvalue)
+
+
+def test_wrong_and_tied_proposals_are_no_cases_of_mcnemar():
+    """m proposes what n does, and on each pair two more, one wrong and one tied: nothing that is correct is found alone."""
+    results = [r for p in PAIRS for r in (ran("m", p, f"{p}a {p}b {p}c"), ran("n", p, f"{p}a"))]
+    (row,) = compared(results, counted([v for p in PAIRS for v in cast(**{f"{p}a": "cc", f"{p}b": "ww", f"{p}c": "cw"})]))
+    assert (row.seen_pairs, row.first_alone, row.second_alone, row.mcnemar) == (7, 0, 0, 1.0)
+    assert row.test.difference == pytest.approx(0.5)
 
 
 def test_below_six_pairs_there_is_no_p():
     results, votes = two_methods()
     (row,) = compared([r for r in results if r.pair < "lampsp5"], counted(votes))
-    assert (row.test.pairs, row.test.permutation, row.holm_wilcoxon, row.mcnemar) == (5, None, None, None)
+    assert (row.test.pairs, row.test.permutation, row.holm_wilcoxon, row.mcnemar, row.holm_mcnemar) == (5, *[None] * 4)
     assert row.test.difference == pytest.approx(0.5)
 
 
@@ -44,14 +52,16 @@ def test_sets_are_adjusted_after_holm_and_their_whole_is_not():
     one, two, every = compared(results, counted(votes))
     assert [r.set_name for r in (one, two, every)] == ["lamps", "vases", ALL_SETS]
     assert one.holm_permutation == pytest.approx(2 * one.test.permutation)
+    assert one.holm_mcnemar == pytest.approx(2 * one.mcnemar)
     assert every.test.pairs == 14
+    assert every.holm_mcnemar == every.mcnemar < one.mcnemar
     assert every.holm_permutation == every.test.permutation < one.test.permutation
 
 
 def test_pairs_with_an_unseen_proposal_are_not_in_mcnemar():
     results, votes = two_methods()
     (row,) = compared(results, counted([v for v in votes if v.item != "lampsp0c"]))
-    assert (row.seen_pairs, row.second_right, row.test.pairs) == (6, 12, 7)
+    assert (row.seen_pairs, row.second_alone, row.test.pairs) == (6, 6, 7)
 
 
 def test_exchanged_methods_mirror_the_difference():
@@ -59,7 +69,7 @@ def test_exchanged_methods_mirror_the_difference():
     turned = [r._replace(method={"m": "n", "n": "m"}[r.method], preset={"m": "n", "n": "m"}[r.preset]) for r in results]
     (there,), (back,) = compared(results, counted(votes)), compared(turned, counted(votes))
     assert there.test.difference == -back.test.difference
-    assert (there.first_right, there.second_right, there.mcnemar) == (back.second_right, back.first_right, back.mcnemar)
+    assert (there.first_alone, there.second_alone, there.mcnemar) == (back.second_alone, back.first_alone, back.mcnemar)
 
 
 def test_without_one_volunteer_by_hand():

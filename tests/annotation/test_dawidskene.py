@@ -41,6 +41,13 @@ def test_simulated_confusion_matrices_are_recovered():
     assert ((found.probability[:400] > 0.5) == truth[:400]).mean() > (majority == truth[:400]).mean()
 
 
+def test_the_search_ends_where_another_round_changes_nothing():
+    """At the end the share of correct matches is the mean of their probabilities, to four more digits than are shown."""
+    for seed in range(4):
+        found = dawid_skene(drawn(80, [(0.8, 0.7), (0.7, 0.6), (0.6, 0.8)], seed=seed)[0], prior=0.0)
+        assert found.prevalence == pytest.approx(found.probability.mean(), abs=1e-6)
+
+
 def test_one_who_guesses_counts_little():
     votes, _ = drawn(300, [(0.97, 0.97), (0.97, 0.97), (0.5, 0.5)], seed=1)
     found = dawid_skene(votes)

@@ -103,6 +103,15 @@ def test_tables_say_what_the_figures_are():
     assert "third is asked" in adaptive[0].remark
 
 
+def test_chosen_methods_bear_a_mark_wherever_they_stand_beside_fixed_ones():
+    found = {table.title: table for table in tables(worked_out(read(RESULTS, VOTES), chosen=["n"]))}
+    for title in ("Pooled recall", "Methods compared, pair by pair", "How far the figures hang on single volunteers"):
+        cells = {cell for row in found[title].rows for cell in row[:2]}
+        assert {"m", "n†", "k (guided)"} <= cells, title
+        assert "†" in found[title].remark
+    assert not any("†" in table.remark for table in tables(worked_out(read(RESULTS, VOTES))))
+
+
 def test_alpha_that_is_not_defined_is_said_so():
     (table,) = tables(worked_out(read([ran("m", "p", "a b")], cast(a="cc", b="cc"))), "agreement")
     assert table.rows == [("all matches", "2", "4", "100.0", "not defined")]

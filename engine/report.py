@@ -33,6 +33,8 @@ h1 { font-size: 1.6rem; margin-bottom: 0 } h2 { font-size: 1.15rem; margin-top: 
 p.lead { color: var(--faint); margin-top: .2rem }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums } td, th { padding: .25rem .9rem .25rem 0;
   text-align: left; border-bottom: 1px solid var(--line); vertical-align: top } td.n, th.n { text-align: right }
+.wide { overflow-x: auto; white-space: nowrap; font-size: .87em } .wide th { white-space: normal; vertical-align: bottom }
+@media print { .wide { overflow: visible; white-space: normal } }
 figure { margin: 1rem 0 } figure img { max-width: 100%; border: 1px solid var(--line); border-radius: 6px }
 figcaption { color: var(--faint) } .changed { color: var(--accent); font-weight: 600 } code { font-size: .9em }
 ul { padding-left: 1.2rem } details summary { cursor: pointer }

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from html import escape
 
 from .precision import PrecisionRow
-from .tabletext import number, row_name, shown_range
+from .tabletext import marked_name, number, shown_range
 
 _LABEL, _PLOT, _NUMBERS, _LINE, _HEAD, _GAP = 330, 460, 200, 24, 32, 10
+_LEAST = 700  # pixels; on narrower screens the drawing scrolls, or its words could not be read
 _WIDTH = _LABEL + _PLOT + _NUMBERS
 
 
@@ -27,14 +28,15 @@ def precision_chart(rows: Sequence[PrecisionRow]) -> str:
     marks = [_text(_at(share), 16, f"{share:.0%}".replace("%", " %"), "middle", "faint") + _grid(share, height)
              for share in (0.0, 0.25, 0.5, 0.75, 1.0)]  # fmt: skip
     lines = [_row(row, place) for row, place in zip(shown, places, strict=True)]
+    style = f"max-width:100%;min-width:{_LEAST}px;height:auto;font-size:13px"
     return (
-        f'<svg viewBox="0 0 {_WIDTH} {height:g}" width="{_WIDTH}" role="img" style="max-width:100%;height:auto;font-size:13px">'
+        f'<svg viewBox="0 0 {_WIDTH} {height:g}" width="{_WIDTH}" role="img" style="{style}">'
         f"<title>Precision with 95 % intervals</title>{''.join(marks)}{''.join(lines)}</svg>"
     )
 
 
 def _row(row: PrecisionRow, y: float) -> str:
-    parts = [_text(0, y + 4, _shortened(f"{row_name(row)} · {row.set_name or '–'}"), "start", "ink")]
+    parts = [_text(0, y + 4, _shortened(f"{marked_name(row)} · {row.set_name or '–'}"), "start", "ink")]
     if row.bound_low is not None and row.bound_high is not None:
         parts.append(_stroke(row.bound_low, row.bound_high, y, "line", 9))
     interval = ""

@@ -13,7 +13,7 @@ from ..results.shownitems import PartsDrawer, item_picture
 from ..storage.handle import StudyHandle
 from ..voting.answering import item
 from .chart import precision_chart
-from .tables import Section, Values
+from .tables import Section, Values, tuned_note
 from .tabletext import aligned
 from .working import Disputed, Findings
 
@@ -64,7 +64,7 @@ def as_html(found: Findings, lead: str, tables: Sequence[Table], drawn: Drawn) -
     from engine.report import page, pictures_html
 
     chart = precision_chart((*found.rows, *found.chosen))
-    head = f"<h2>Precision with intervals</h2>{_wide(chart)}<p>{escape(_LEGEND)}</p>" if chart else ""
+    head = f"<h2>Precision with intervals</h2>{_wide(chart)}<p>{escape(_LEGEND + tuned_note(found))}</p>" if chart else ""
     sections = [head, *(_section(table) for table in tables)]
     if drawn.pictures or drawn.missing:
         told = "".join(f"<p>{escape(sentence)}</p>" for sentence in drawn.missing)
@@ -110,4 +110,4 @@ def _section(table: Table) -> str:
 
 def _wide(content: str) -> str:
     """What may be wider than the page scrolls by itself."""
-    return f'<div style="overflow-x:auto;white-space:nowrap;font-size:.87em">{content}</div>'
+    return f'<div class="wide">{content}</div>'

@@ -9,8 +9,7 @@ from engine.evaluation.thesis_tables import set_table
 
 from .agreement import OVERLAPPED
 from .comparing import Compared, Method
-from .precision import GUIDED
-from .tabletext import PRECISION_HEAD, method_name, number, plain_table, precision_values, shown_range
+from .tabletext import PRECISION_HEAD, marked_name, number, plain_table, precision_values, shown_range
 from .working import Findings
 
 Section = Literal["all", "precision", "recall", "agreement", "volunteers", "compared", "sensitivity", "disputed"]
@@ -73,7 +72,7 @@ def _recall(found: Findings) -> list[Table]:
     marked = _marked(found)
     rows = [(marked[r[:2]], r.set_name or NOTHING, f"{r.recall_pairs} of {r.pairs}", number(r.recall))
             for r in (*found.rows, *found.chosen) if r.recall_pairs]  # fmt: skip
-    return [Table("Pooled recall", ("method", "set", "pairs fully seen", "recall %"), rows, 2, RECALL + _told(found))]
+    return [Table("Pooled recall", ("method", "set", "pairs fully seen", "recall %"), rows, 2, RECALL + tuned_note(found))]
 
 
 def _agreement(found: Findings) -> list[Table]:
@@ -106,7 +105,7 @@ def _compared(found: Findings) -> list[Table]:
         for c in found.compared
         if c.test.pairs
     ]  # fmt: skip
-    return [Table("Methods compared, pair by pair", head, rows, 3, COMPARED + _told(found))]
+    return [Table("Methods compared, pair by pair", head, rows, 3, COMPARED + tuned_note(found))]
 
 
 def _sensitivity(found: Findings) -> list[Table]:
@@ -118,7 +117,7 @@ def _sensitivity(found: Findings) -> list[Table]:
     ]  # fmt: skip
     head = ("method", "set", "precision %", "without one volunteer", "moved most by", *(("Dawid-Skene %",) if model else ()))
     return [Table("How far the figures hang on single volunteers", head, rows, 2,
-                  SENSITIVITY + (MODEL if model else "") + _told(found))]  # fmt: skip
+                  SENSITIVITY + (MODEL if model else "") + tuned_note(found))]  # fmt: skip
 
 
 def _disputed(found: Findings) -> list[Table]:
@@ -130,15 +129,14 @@ def _disputed(found: Findings) -> list[Table]:
     return [Table("The most disputed matches", ("match", "pair", "set", "comments", "correct", "wrong", "unsure"), rows, 4, DISPUTED)]
 
 
+def tuned_note(found: Findings) -> str:
+    """What the mark of methods with chosen parameters says, where one has it."""
+    return TUNED if any(marked_name(row).endswith("†") for row in found.chosen) else ""
+
+
 def _marked(found: Findings) -> dict[Method, str]:
-    """The methods' names; a mark for those whose parameters were chosen, where the name does not say that people guided it."""
-    fixed, chosen = {row[:2] for row in found.rows}, {row[:2] for row in found.chosen}
-    return {m: method_name(m) + ("†" if m in chosen and not m[0].endswith(GUIDED) else "") for m in fixed | chosen}
-
-
-def _told(found: Findings) -> str:
-    """What the mark says, where there is one."""
-    return TUNED if any(name.endswith("†") for name in _marked(found).values()) else ""
+    """The methods' names, marked where they stand beside others."""
+    return {row[:2]: marked_name(row) for row in (*found.rows, *found.chosen)}
 
 
 def _shortened(text: str) -> str:

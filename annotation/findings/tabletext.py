@@ -9,7 +9,7 @@ from engine.evaluation.tables import Table
 
 from ..exchange.csvtext import csv_text
 from .agreement import agreement_rows
-from .precision import ALL_SETS, Ballot, PrecisionRow
+from .precision import ALL_SETS, GUIDED, Ballot, PrecisionRow
 
 TableFormat = Literal["text", "csv", "markdown"]
 _HEADER = (
@@ -73,6 +73,11 @@ def _cells(row: PrecisionRow) -> tuple[str, ...]:
 def row_name(row: PrecisionRow) -> str:
     """Method and preset, once where they have the same name."""
     return method_name((row.method, row.preset))
+
+
+def marked_name(row: PrecisionRow) -> str:
+    """The same with a mark where the parameters were chosen and the name does not say that people guided it."""
+    return row_name(row) + ("†" if row.chosen and not row.method.endswith(GUIDED) else "")
 
 
 def method_name(method: tuple[str, str]) -> str:

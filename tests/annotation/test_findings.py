@@ -110,6 +110,10 @@ def test_chosen_methods_bear_a_mark_wherever_they_stand_beside_fixed_ones():
         assert {"m", "n†", "k (guided)"} <= cells, title
         assert "†" in found[title].remark
     assert not any("†" in table.remark for table in tables(worked_out(read(RESULTS, VOTES))))
+    tuned = worked_out(read(RESULTS, VOTES), chosen=["n"])
+    chart = precision_chart((*tuned.rows, *tuned.chosen))
+    assert chart.count("†") == 1
+    assert "n† · lamps" in chart
 
 
 def test_alpha_that_is_not_defined_is_said_so():

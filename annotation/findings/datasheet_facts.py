@@ -179,12 +179,12 @@ def _elicitation(facts: Facts) -> dict[str, Known]:
         "4.3.7": Known(left=joins if facts.kinds["puzzle"] else "", verbatim=facts.study.question),
         "4.3.8": Known("output classification or labelling"),
         "4.3.9": Known(f"Majority of the current votes of each match; a tie stays a tie{unsure}. Gold matches count like all others. "
-                       "Precision is correct / (correct + wrong), over all matches (micro) and as the mean over pairs (macro); bounds take the undecided as all wrong and all "
-                       f"right.{weighted}"),
+                       "Precision is correct / (correct + wrong), over all matches (micro) and as the mean over pairs (macro); "
+                       f"bounds take the undecided as all wrong and all right.{weighted}"),
         "4.3.10": Known("95 % intervals with the pair as the unit of sampling (cluster-robust binomial model with t; Clopper-Pearson with "
-                        "an adjusted number at 0 and 100 %; Wilson's of a single pair); methods by permutation and "
-                        "Wilcoxon's tests of differences pair by pair, McNemar's test of the correct matches that one of two methods alone finds; adjusted after Holm over sets; no p "
-                        "below 6 pairs.", "those that the paper reports"),
+                        "an adjusted number at 0 and 100 %; Wilson's of a single pair); methods by permutation and Wilcoxon's tests of "
+                        "differences pair by pair, McNemar's test of the correct matches that one of two methods alone finds; adjusted "
+                        "after Holm over sets; no p below 6 pairs.", "those that the paper reports"),
         "4.3.11": Known(_agreement(facts.found)),
     }  # fmt: skip
 

@@ -96,9 +96,9 @@ def _compared(
     both = sorted(a.keys() & b.keys())
     test = paired_test(*(_precisions([side[pair] for pair in both], cast, weights) for side in (a, b)))
     seen = [pair for pair in both if all(item in cast for item in a[pair] | b[pair])]
-    alone = [_correct((mine[pair] - other[pair] for pair in seen), cast) for mine, other in ((a, b), (b, a))]
-    p = mcnemar(*alone) if len(seen) >= LEAST_PAIRS else None
-    return Compared(first, second, set_name, test, test.permutation, test.wilcoxon, len(seen), *alone, p, p)
+    one_alone, two_alone = (_correct((mine[pair] - other[pair] for pair in seen), cast) for mine, other in ((a, b), (b, a)))
+    p = mcnemar(one_alone, two_alone) if len(seen) >= LEAST_PAIRS else None
+    return Compared(first, second, set_name, test, test.permutation, test.wilcoxon, len(seen), one_alone, two_alone, p, p)
 
 
 def _precisions(pairs: Iterable[Iterable[str]], cast: Mapping[str, Cast], weights: Weights | None) -> list[float]:

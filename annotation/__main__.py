@@ -21,6 +21,7 @@ from .storage.location import warn_of_place
 from .storage.stamps import app_version
 from .study import open_study, record_vote, shown_place
 from .voting.majority import Answer
+from .voting.volunteers import check_known
 
 app = App(
     name="study",
@@ -47,7 +48,9 @@ def votes(file: str, /, *, out: Out = None) -> None:
 
 
 @app.command
-def vote(file: str, /, *, volunteer: str, item: str, answer: Answer, comment: str = "") -> None:
+def vote(
+    file: str, /, *, volunteer: str, item: str, answer: Answer, comment: str = "", new: Annotated[bool, Parameter(negative="")] = False
+) -> None:
     """Record one vote.
 
     Parameters
@@ -62,9 +65,13 @@ def vote(file: str, /, *, volunteer: str, item: str, answer: Answer, comment: st
         The answer.
     comment
         Anything to remember.
+    new
+        Take a code that the study does not know as that of somebody new.
     """
     with open_study(file) as handle:
         warn_of_place(handle.where)
+        if not new:
+            check_known(handle, volunteer)
         record_vote(handle, item, volunteer, answer, comment=comment)
     print("Saved.")
 

@@ -21,7 +21,7 @@ from ..storage.handle import StudyHandle
 from ..storage.location import warn_of_place
 from ..storage.places import keep_result
 from ..study import open_study
-from ..voting.answering import make_adjudicator
+from ..voting.answering import known_volunteer, make_adjudicator
 from . import knownanswers
 from .designing import Design, create_design, judged_counts
 from .flags import unresolved
@@ -219,6 +219,8 @@ def adjudicate(file: str, code: str, /, *, end: Annotated[bool, Parameter(negati
         Make an adjudicator an ordinary volunteer again.
     """
     with _opened(file) as handle:
+        if end:
+            known_volunteer(handle, code)
         made = make_adjudicator(handle, code, adjudicates=not end)
         waiting = sum(one.for_adjudicator for one in unresolved(handle))
     if end:

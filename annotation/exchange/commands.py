@@ -9,6 +9,7 @@ from cyclopts import App, Parameter
 from engine.errors import BadParameter
 
 from ..study import open_study, shown_place, volunteers
+from ..voting.volunteers import check_known
 from .anonymising import Anonymous
 from .archive import archive as write_archive
 from .archive import unpack as take_apart
@@ -26,7 +27,7 @@ def mount(app: App) -> None:
         app.command(command)
 
 
-def packet(study: str, volunteer: str, /, *, out: Path, items: int | None = None) -> None:
+def packet(study: str, volunteer: str, /, *, out: Path, items: int | None = None, new: Flag = False) -> None:
     """Write a file that holds what VOLUNTEER is still to be asked and nothing else; merge it when it comes back.
 
     Parameters
@@ -39,8 +40,12 @@ def packet(study: str, volunteer: str, /, *, out: Path, items: int | None = None
         The file to make; an existing one is never replaced.
     items
         Most matches to be judged; all that are open if left out.
+    new
+        Take a code that the study does not know as that of somebody new.
     """
     with open_study(study) as handle:
+        if not new:
+            check_known(handle, volunteer)
         made = make_packet(handle, volunteer, out, items)
     more = f" and {made.practice} to practise on" if made.practice else ""
     print(f"{out}: {_count(made.items, 'match', 'matches')}{more} for {volunteer}, {out.stat().st_size / 1e6:.1f} MB.")

@@ -1,5 +1,7 @@
 """`concord study publish`, `invite` and `uninvite`: studies on a server, and who may vote there with which address."""
 
+from shlex import join
+
 from cyclopts import App
 
 from engine.errors import BadInput
@@ -63,8 +65,9 @@ def invite(study: str, volunteer: str = "", /, *, adjudicator: bool = False, res
         else:
             invitations.register(handle, volunteer, adjudicator=adjudicator)
             code = checked_code(volunteer)
-            print(f"{code} may vote on {handle.where}: concord vote {study} --volunteer {code}")
-            print(f"To vote on another computer, hand over a packet: concord study packet {study} {code}")
+            print(f"{code} may vote on {handle.where}: {join(['concord', 'vote', study, '--volunteer', code])}")
+            packet = join(["concord", "study", "packet", study, code, "--out", f"{code}.packet"])
+            print(f"To vote on another computer, hand over a packet: {packet}")
 
 
 def _invited(server: StudyServer, volunteer: str, *, adjudicator: bool, again: bool) -> list[str]:

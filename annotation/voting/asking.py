@@ -21,8 +21,8 @@ from .answering import (
     sides_swapped,
     still_open,
     volunteer,
-    volunteers,
 )
+from .volunteers import is_strange
 
 _current = schema.current_vote.c
 
@@ -49,11 +49,11 @@ def opening(handle: StudyHandle, code: str, *, new: bool = True) -> Opening:
 
 
 def known_volunteer(handle: StudyHandle, code: str, study: Study, new: bool) -> str:
-    """The code as the study has it; one that it does not know only where `new`, or where nothing was designed."""
+    """The code as the study has it; one that it does not know only where `new`, or where everybody is asked everything."""
     code, own = checked_code(code), own_code(handle)
     if own is not None and own != code:
         raise BadInput(f"This is for another volunteer than {code}; leave the code out, or check whose file it is.")
-    if own is None and study.votes and not new and code not in {one.code for one in volunteers(handle)}:
+    if study.votes and not new and is_strange(handle, code):
         raise BadInput(f"This study knows no volunteer {code}; check the code, or ask whoever gave it to you.")
     return volunteer(handle, code).code
 

@@ -3,7 +3,7 @@
 import heapq
 import re
 import unicodedata
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import Any
 
 from sqlalchemy import Connection, Row, insert, select, update
@@ -53,8 +53,34 @@ def known_volunteer(handle: StudyHandle, code: str) -> Volunteer:
     for one in known:
         if one.code == code:
             return one
-    codes = ", ".join(one.code for one in known[:10]) + (", …" if len(known) > 10 else "")
-    raise BadInput(f"{handle.where} has no volunteer {code!r}; it has {codes or 'none yet'}.")
+    raise BadInput(f"{handle.where} has no volunteer {code!r}; it has {_named(known)}.")
+
+
+def check_known(handle: StudyHandle, code: str) -> None:
+    """Raise `BadInput` for a code that is not known where it should be (see `is_strange`), and name those that are."""
+    if is_strange(handle, code):
+        with handle.reading() as connection:
+            refuse_forgotten(connection, checked_code(code))
+        raise BadInput(f"{handle.where} knows no volunteer {checked_code(code)} (it has {_named(volunteers(handle))}); check the code, "
+                       "or give --new for somebody who is new.")  # fmt: skip
+
+
+def is_strange(handle: StudyHandle, code: str) -> bool:
+    """Whether a code is one that the study does not know although it should: it may be mistyped.
+
+    Where everybody is asked everything whoever comes first may come unknown, and so may the volunteer of a packet.
+    """
+    code = checked_code(code)
+    if handle.volunteer is not None:
+        return False
+    known = {one.code for one in volunteers(handle)}
+    with handle.reading() as connection:
+        counted = connection.scalar(select(schema.study.c.votes))
+    return code not in known and bool(known or counted)
+
+
+def _named(known: Sequence[Volunteer]) -> str:
+    return (", ".join(one.code for one in known[:10]) + (", …" if len(known) > 10 else "")) or "none yet"
 
 
 def make_adjudicator(handle: StudyHandle, code: str, *, adjudicates: bool = True) -> Volunteer:

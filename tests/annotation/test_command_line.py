@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import shlex
 
 import pytest
 from judging_world import CANDLE, LAMP, ONE_TO_ONE, VASE, identity, result, study_of
@@ -45,7 +46,7 @@ def test_from_matches_to_a_table(tmp_path, matches, capsys):
     assert run("create", file, matches, "--set", "lamps", "--name", "Lamps") == 0
     assert run("add", file, tmp_path / "more" / "matches.json", "--set", "lamps") == 0
     for code, answer in (("anna", "correct"), ("bert", "wrong"), ("carl", "correct")):
-        assert run("vote", file, "--volunteer", code, "--item", FOOT, "--answer", answer) == 0
+        assert run("vote", file, "--new", "--volunteer", code, "--item", FOOT, "--answer", answer) == 0
     capsys.readouterr()
     assert run("table", file) == 0
     assert "1 of 4" in capsys.readouterr().out
@@ -54,6 +55,43 @@ def test_from_matches_to_a_table(tmp_path, matches, capsys):
     assert (row["set"], row["pairs"], row["correct"], row["votes"]) == ("lamps", "2", "1", "3")
     assert run("votes", file) == 0
     assert len(list(csv.reader(io.StringIO(capsys.readouterr().out)))) == 4
+
+
+def test_a_mistyped_code_is_no_new_volunteer(tmp_path, matches, capsys):
+    file, packet = tmp_path / "a.db", tmp_path / "p.db"
+    vote = ("vote", file, "--item", FOOT, "--answer", "wrong", "--volunteer")
+    assert run("create", file, matches) == 0
+    capsys.readouterr()
+    assert "knows no volunteer anna (it has none yet); check the code, or give --new" in fails(capsys, *vote, "anna")
+    assert run("invite", file, "anna") == 0
+    assert run(*vote, "anna") == 0
+    capsys.readouterr()
+    assert "knows no volunteer anan (it has anna)" in fails(capsys, *vote, "anan")
+    assert "knows no volunteer anan (it has anna)" in fails(capsys, "packet", file, "anan", "--out", packet)
+    assert "no volunteer 'anan'; it has anna" in fails(capsys, "adjudicate", file, "anan", "--end")
+    with study.open_study(file) as handle:
+        assert [one.code for one in study.volunteers(handle)] == ["anna"]
+    assert run(*vote, "bert", "--new") == 0
+    with study.open_study(file) as handle:
+        assert [one.code for one in study.volunteers(handle)] == ["anna", "bert"]
+
+
+def test_where_everybody_is_asked_everything_the_first_may_come_unknown(tmp_path, matches, capsys):
+    vote = ("vote", tmp_path / "a.db", "--item", FOOT, "--answer", "wrong", "--volunteer")
+    assert run("create", tmp_path / "a.db", matches, "--votes", 0) == 0
+    assert run(*vote, "anna") == 0
+    capsys.readouterr()
+    assert "knows no volunteer anan (it has anna)" in fails(capsys, *vote, "anan")
+
+
+def test_an_invitation_to_a_file_prints_commands_to_be_copied(tmp_path, matches, capsys):
+    file = tmp_path / "a b.db"
+    assert run("create", file, matches) == 0
+    capsys.readouterr()
+    assert run("invite", file, "anna") == 0
+    live, packet = (shlex.split(line.rsplit(": ", 1)[1]) for line in capsys.readouterr().out.splitlines())
+    assert live == ["concord", "vote", str(file), "--volunteer", "anna"]
+    assert packet == ["concord", "study", "packet", str(file), "anna", "--out", "anna.packet"]
 
 
 def test_a_file_and_a_result_in_memory_are_the_same_run(tmp_path, matches):

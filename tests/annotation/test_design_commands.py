@@ -70,7 +70,7 @@ def test_a_folder_becomes_a_designed_study(tmp_path, results, capsys):
 def test_known_answers_become_gold_and_practice(tmp_path, results, capsys):
     run(capsys, "create", tmp_path / "pilot.study", results)
     first, second, third, _ = ids(tmp_path / "pilot.study")
-    run(capsys, "vote", tmp_path / "pilot.study", "--volunteer", "me", "--item", third, "--answer", "wrong")
+    run(capsys, "vote", tmp_path / "pilot.study", "--new", "--volunteer", "me", "--item", third, "--answer", "wrong")
     said = run(capsys, "create", tmp_path / "a.study", results, "--gold-answers", table(tmp_path / "g.csv", [first, "strange"]),
                "--practice-answers", table(tmp_path / "p.csv", [second], "wrong"), "--gold-from", f"{tmp_path}/pilot.study:me",
                "--gold-least", 2, "--practice", 1)  # fmt: skip
@@ -88,7 +88,7 @@ def test_gold_and_practice_are_named_later(place, tmp_path, results, capsys):
     run(capsys, "create", file, results)
     first, second, *_ = ids(file)
     assert "1 gold match more, of 1 known answer." in run(capsys, "gold", file, table(tmp_path / "g.csv", [first]))
-    run(capsys, "vote", file, "--volunteer", "me", "--item", first, "--answer", "wrong", "--comment", "Other foot.")
+    run(capsys, "vote", file, "--new", "--volunteer", "me", "--item", first, "--answer", "wrong", "--comment", "Other foot.")
     assert "1 practice match more" in run(capsys, "practice", file, table(tmp_path / "g.csv", [second]), "--most", 1)
     assert "0 gold matches more" in run(capsys, "gold", file, "--from", f"{file}:me")
     assert "of 1 known answer." in run(capsys, "gold", file, "--from", file)
@@ -108,7 +108,7 @@ def test_a_sample_and_its_top_ups(tmp_path, results, capsys):
     said = run(capsys, "top-up", file, tmp_path / "rest.study", "--most", 0, "--name", "Rest")
     assert f"{tmp_path}/rest.study: 4 matches of {file} without a vote." in said
     item = ids(tmp_path / "rest.study")[0]
-    run(capsys, "vote", tmp_path / "rest.study", "--volunteer", "anna", "--item", item, "--answer", "wrong")
+    run(capsys, "vote", tmp_path / "rest.study", "--new", "--volunteer", "anna", "--item", item, "--answer", "wrong")
     assert "1 votes" in run(capsys, "merge", file, tmp_path / "rest.study")
     assert roles(file) == {"judged": 4}
     assert "--name is for a new study" in fails(capsys, "top-up", file, "--name", "x", "--most", 0)
@@ -118,7 +118,7 @@ def test_a_sample_and_its_top_ups(tmp_path, results, capsys):
 def test_a_new_method_is_unjudged_until_it_is_topped_up(tmp_path, results, capsys):
     file = tmp_path / "a.study"
     run(capsys, "create", file, f"lamps={results / 'lamps'}")
-    run(capsys, "vote", file, "--volunteer", "anna", "--item", ids(file)[0], "--answer", "correct")
+    run(capsys, "vote", file, "--new", "--volunteer", "anna", "--item", ids(file)[0], "--answer", "correct")
     (tmp_path / "new").mkdir()
     write_matches(result(*ONE_TO_ONE, ((0, 1), (0, 1)), preset="other"), tmp_path / "new")
     said = run(capsys, "add", file, f"lamps={tmp_path / 'new'}")
@@ -139,7 +139,7 @@ def test_adjudicators_are_made_and_ended(place, results, capsys):
     file = place
     run(capsys, "create", file, results, "--votes", 2)
     for code, answer in (("anna", "correct"), ("bert", "wrong")):
-        run(capsys, "vote", file, "--volunteer", code, "--item", ids(file)[0], "--answer", answer)
+        run(capsys, "vote", file, "--new", "--volunteer", code, "--item", ids(file)[0], "--answer", answer)
     assert "zoe adjudicates: 1 match is unresolved now." in run(capsys, "adjudicate", file, "zoe")
     assert "zoe is asked as everybody is." in run(capsys, "adjudicate", file, "zoe", "--end")
     assert "no volunteer code" in fails(capsys, "adjudicate", file, "z z")

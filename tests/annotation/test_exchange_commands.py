@@ -18,7 +18,7 @@ def file(tmp_path):
 
 
 def test_a_packet_goes_out_and_comes_back(tmp_path, file, capsys):
-    assert run("packet", file, "bert", "--out", tmp_path / "p.db", "--items", 2) == 0
+    assert run("packet", file, "bert", "--new", "--out", tmp_path / "p.db", "--items", 2) == 0
     said = capsys.readouterr().out
     assert "2 matches for bert" in said
     assert f"concord study merge {file} {tmp_path / 'p.db'}\n" in said
@@ -34,20 +34,20 @@ def test_a_packet_goes_out_and_comes_back(tmp_path, file, capsys):
 
 def test_what_a_packet_cannot_be_is_told(tmp_path, file, capsys):
     out = ("--out", tmp_path / "p.db")
-    assert "at least 1" in fails(capsys, "packet", file, "bert", *out, "--items", 0)
+    assert "at least 1" in fails(capsys, "packet", file, "bert", *out, "--new", "--items", 0)
     assert "no volunteer code" in fails(capsys, "packet", file, "b e", *out)
-    assert "exists already" in fails(capsys, "packet", file, "bert", "--out", file)
+    assert "exists already" in fails(capsys, "packet", file, "bert", "--new", "--out", file)
     strip_study(tmp_path / "bare.db", kept=False).close()
-    assert "a.off, b.off" in fails(capsys, "packet", tmp_path / "bare.db", "bert", *out)
+    assert "a.off, b.off" in fails(capsys, "packet", tmp_path / "bare.db", "bert", *out, "--new")
     strip_study(tmp_path / "other.db").close()
-    assert run("packet", tmp_path / "other.db", "bert", *out) == 0
+    assert run("packet", tmp_path / "other.db", "bert", "--new", *out) == 0
     capsys.readouterr()
     assert "packet of another study" in fails(capsys, "merge", file, tmp_path / "p.db")
 
 
 def test_commands_to_be_copied_have_their_names_quoted(tmp_path, file, capsys):
     out = tmp_path / "for bert [1].db"
-    assert run("packet", file, "bert", "--out", out) == 0
+    assert run("packet", file, "bert", "--new", "--out", out) == 0
     said = capsys.readouterr().out.splitlines()
     assert [shlex.split(line.split(": ", 1)[1]) for line in said[-2:]] == [
         ["concord", "vote", str(out)], ["concord", "study", "merge", str(file), str(out)]]  # fmt: skip
@@ -55,7 +55,7 @@ def test_commands_to_be_copied_have_their_names_quoted(tmp_path, file, capsys):
 
 def test_no_design_goes_into_a_packet(tmp_path, file, capsys):
     packet, known = tmp_path / "p.db", tmp_path / "known.csv"
-    assert run("packet", file, "bert", "--out", packet) == 0
+    assert run("packet", file, "bert", "--new", "--out", packet) == 0
     known.write_text(f"item,answer\n{'0' * 64},correct\n")
     before = content(packet)
     for command in (("top-up",), ("gold", known), ("practice", known), ("adjudicate", "zoe")):
@@ -74,7 +74,7 @@ def test_what_a_damaged_match_shows_is_told_and_nothing_is_handed_out(tmp_path, 
 
 
 def test_a_returned_packet_with_a_damaged_match_is_told(tmp_path, file, capsys):
-    assert run("packet", file, "bert", "--out", tmp_path / "p.db") == 0
+    assert run("packet", file, "bert", "--new", "--out", tmp_path / "p.db") == 0
     with study.open_study(tmp_path / "p.db") as packet:
         study.record_vote(packet, study.open_items(packet, "bert")[0].item_id, "bert", "wrong")
         with packet.writing() as connection:
@@ -92,7 +92,7 @@ def test_exports_name_their_files(tmp_path, file, capsys):
 
 
 def test_a_volunteer_is_deleted_and_everything_that_was_done_is_told(tmp_path, file, capsys):
-    assert run("vote", file, "--volunteer", "bert", "--item", "x", "--answer", "wrong") == 2  # opened, so there is a backup
+    assert run("vote", file, "--new", "--volunteer", "bert", "--item", "x", "--answer", "wrong") == 2  # opened, so there is a backup
     capsys.readouterr()
     assert run("forget", file, "anna") == 0
     said = capsys.readouterr().out

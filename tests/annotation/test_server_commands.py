@@ -181,7 +181,7 @@ def test_a_study_on_a_server_from_the_command_line(database, tmp_path, capsys):
     said = printed(capsys, "merge", database, tmp_path / "b.db", "--another-study")
     assert "3 matches" in said
     assert "of-the-owner" not in said
-    assert run("vote", database, "--volunteer", "anna", "--item", FOOT, "--answer", "correct") == 0
+    assert run("vote", database, "--new", "--volunteer", "anna", "--item", FOOT, "--answer", "correct") == 0
     capsys.readouterr()
     assert "1 of 3" in printed(capsys, "table", database)
     assert "correct" in printed(capsys, "votes", database)

@@ -190,7 +190,7 @@ class MainWindow(QMainWindow):
         self.rail.check("shapes" if name == "segments" else name)
         actions.enable_for(self.actions_by_id, name)
         self.show_history()
-        self.status.preset.setVisible(name != "puzzle")
+        self.status.preset.setVisible(name not in ("puzzle", "results"))
         desks = {"puzzle": self.puzzle, "collection": self.collection, "segments": self.segments}
         desks[name].show_status() if name in desks else self._show_status(self.session.state)
         self.status.setVisible(name != "study" and self.rail.isVisibleTo(self))  # a volunteer sees no results

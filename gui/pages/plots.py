@@ -5,12 +5,13 @@ from html import escape
 from typing import Any, NamedTuple
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QColor
+from PySide6.QtGui import QColor, QResizeEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from ..palette import SERIES, Theme, theme
 
 SYMBOLS = (("o", "●"), ("s", "■"), ("t1", "▲"), ("d", "◆"), ("t", "▼"), ("star", "★"), ("p", "⬟"), ("h", "⬢"))
+LETTER, MARGIN = 8, 60  # pixels: of a letter of the axis at most, and left of the first group
 SPREAD = 0.5  # how much of the room of a group its series take
 
 
@@ -30,13 +31,15 @@ def placed(marks: Sequence[Mark]) -> list[tuple[float, int, Mark]]:
     """Where each mark stands: its abscissa (groups at 0, 1, …; their series side by side), and the row of its series."""
     groups, series = names(marks)
     step = SPREAD / max(1, len(series))
-    beside = {group: [name for name in series if any(m[:2] == (group, name) for m in marks)] for group in groups}
+    there = {mark[:2] for mark in marks}
+    beside = {group: {name: k for k, name in enumerate(name for name in series if (group, name) in there)} for group in groups}
+    column, row = ({name: k for k, name in enumerate(some)} for some in (groups, series))
 
     def at(mark: Mark) -> float:
         here = beside[mark.group]
-        return groups.index(mark.group) + step * (here.index(mark.series) - (len(here) - 1) / 2)
+        return column[mark.group] + step * (here[mark.series] - (len(here) - 1) / 2)
 
-    return [(at(mark), series.index(mark.series), mark) for mark in marks]
+    return [(at(mark), row[mark.series], mark) for mark in marks]
 
 
 def names(marks: Sequence[Mark]) -> tuple[list[str], list[str]]:
@@ -47,9 +50,25 @@ def names(marks: Sequence[Mark]) -> tuple[list[str], list[str]]:
 def legend(marks: Sequence[Mark]) -> str:
     """Symbol and name of each series, as rich text."""
     _, series = names(marks)
-    return "&nbsp;&nbsp;&nbsp; ".join(
-        f"<span style='color: {SERIES[row % len(SERIES)]}'>{SYMBOLS[row % len(SYMBOLS)][1]}</span> {escape(name)}"
+    return " &nbsp;&nbsp; ".join(
+        f"<span style='color: {colour_of(row)}'>{symbol_of(row)[1]}</span>&nbsp;{escape(name)}"
         for row, name in enumerate(series))  # fmt: skip
+
+
+def colour_of(row: int) -> str:
+    """The colour of a series."""
+    return SERIES[row % len(SERIES)]
+
+
+def symbol_of(row: int) -> tuple[str, str]:
+    """The symbol of a series, to draw and to write; with more series than colours, another one comes with each colour."""
+    return SYMBOLS[(row + row // len(SERIES)) % len(SYMBOLS)]
+
+
+def shortened(names: Sequence[str], room: float) -> list[str]:
+    """Names that stand beside each other in `room` pixels without touching; the middle of a long one is left out."""
+    most = max(3, int(room / max(1, len(names)) / LETTER) - 1)
+    return [name if len(name) <= most else name[: most - most // 2 - 1] + "…" + name[len(name) - most // 2 :] for name in names]
 
 
 class IntervalPlot(QWidget):
@@ -85,8 +104,9 @@ class IntervalPlot(QWidget):
         item.clear()
         groups, series = names(self.marks)
         self._axes(item, groups, colours)
+        marks = placed(self.marks)
         for row in range(len(series)):
-            self._series(item, row, colours)
+            self._series(item, row, [(x, m) for x, k, m in marks if k == row], colours)
 
     def _axes(self, item: Any, groups: list[str], colours: Theme) -> None:
         self.plot.setBackground(colours.paper)
@@ -94,25 +114,35 @@ class IntervalPlot(QWidget):
             axis = item.getAxis(side)
             axis.setPen(colours.line)
             axis.setTextPen(colours.soft_ink)
-        item.getAxis("bottom").setTicks([[(k, group or "–") for k, group in enumerate(groups)]])
+        self._name_groups(groups)
         item.getAxis("left").setTicks([[(k / 5, f"{20 * k}") for k in range(6)]])
         item.setLabel("left", self.axis, color=colours.soft_ink)
         item.showGrid(y=True, alpha=0.25)
         item.setXRange(-0.6, len(groups) - 0.4, padding=0)
         item.setYRange(-0.05, 1.05, padding=0)
 
-    def _series(self, item: Any, row: int, colours: Theme) -> None:
+    def _name_groups(self, groups: Sequence[str]) -> None:
+        shown = shortened([group or "–" for group in groups], self.plot.width() - MARGIN)
+        self.plot.getPlotItem().getAxis("bottom").setTicks([list(enumerate(shown))])
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        if self.plot is not None:
+            self._name_groups(names(self.marks)[0])
+
+    def _series(self, item: Any, row: int, points: list[tuple[float, Mark]], colours: Theme) -> None:
         import pyqtgraph
 
-        colour = QColor(SERIES[row % len(SERIES)])
+        colour = QColor(colour_of(row))
         band = QColor(colour)
         band.setAlpha(60)
-        points = [(x, m) for x, k, m in placed(self.marks) if k == row]
-        for x, m in points:
-            for low, high, width, shade in ((m.bound_low, m.bound_high, 9, band), (m.low, m.high, 2, colour)):
-                if low is not None and high is not None:
-                    item.plot([x, x], [low, high], pen=pyqtgraph.mkPen(shade, width=width, capStyle=Qt.PenCapStyle.FlatCap))
-        item.plot([x for x, _ in points], [m.share for _, m in points], pen=None, symbol=SYMBOLS[row % len(SYMBOLS)][0],
+        bands = [(x, m.bound_low, m.bound_high) for x, m in points if m.bound_low is not None and m.bound_high is not None]
+        lines = [(x, m.low, m.high) for x, m in points if m.low is not None and m.high is not None]
+        for bars, width, shade in ((bands, 9, band), (lines, 2, colour)):
+            if bars:  # one item for all of a series: each item costs as much as a whole curve
+                item.plot([x for x, _, _ in bars for _ in range(2)], [y for _, *ends in bars for y in ends], connect="pairs",
+                          pen=pyqtgraph.mkPen(shade, width=width, capStyle=Qt.PenCapStyle.FlatCap))  # fmt: skip
+        item.plot([x for x, _ in points], [m.share for _, m in points], pen=None, symbol=symbol_of(row)[0],
                   symbolSize=9, symbolBrush=colour, symbolPen=colours.paper)  # fmt: skip
 
     def shutdown(self) -> None:

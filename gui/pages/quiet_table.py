@@ -1,6 +1,7 @@
 """Tables without lines: words to the left, figures centred under their heads, as high as their rows."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTableWidget, QTableWidgetItem, QWidget
@@ -29,22 +30,39 @@ def quiet_table(heads: Sequence[str], words: int, wide: str, parent: QWidget, ti
     table.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     head = table.horizontalHeader()
     head.setHighlightSections(False)
+    head.setMinimumSectionSize(32)
     head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
     if wide:
         head.setSectionResizeMode(list(heads).index(wide), QHeaderView.ResizeMode.Stretch)
     return table
 
 
+@contextmanager
+def still_columns(table: QTableWidget) -> Iterator[None]:
+    """Fit the columns once after many cells are changed; otherwise each change has a whole column measured again."""
+    head = table.horizontalHeader()
+    modes = [head.sectionResizeMode(column) for column in range(head.count())]
+    for column in range(head.count()):
+        head.setSectionResizeMode(column, QHeaderView.ResizeMode.Fixed)
+    try:
+        yield
+    finally:
+        for column, mode in enumerate(modes):
+            head.setSectionResizeMode(column, mode)
+
+
 def fill(table: QTableWidget, rows: Sequence[Sequence[str]], words: int, *, fitted: bool = True) -> None:
     """Replace the rows by these texts; `fitted` makes the table no higher than they need."""
     table.setRowCount(len(rows))
-    for line, cells in enumerate(rows):
-        for column, text in enumerate(cells):
-            item = QTableWidgetItem(f"  {text}  " if text else "")
-            item.setTextAlignment(_LEFT if column < words else _MIDDLE)
-            table.setItem(line, column, item)
+    with still_columns(table):
+        for line, cells in enumerate(rows):
+            for column, text in enumerate(cells):
+                item = QTableWidgetItem(f"  {text}  " if text else "")
+                item.setTextAlignment(_LEFT if column < words else _MIDDLE)
+                table.setItem(line, column, item)
     if fitted:
-        table.setMaximumHeight(table.horizontalHeader().sizeHint().height() + ROW_HEIGHT * len(rows) + 4)
+        height = table.verticalHeader().defaultSectionSize()
+        table.setMaximumHeight(table.horizontalHeader().sizeHint().height() + height * len(rows) + 4)
 
 
 def fit_width(table: QTableWidget) -> None:

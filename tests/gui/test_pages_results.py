@@ -3,6 +3,7 @@
 from datetime import UTC, datetime
 
 import pytest
+from PySide6.QtWidgets import QApplication, QStyledItemDelegate
 from research_world import items_of, judged_study, runs_of_bars
 
 from annotation import study
@@ -17,11 +18,12 @@ from annotation.voting.majority import majority_of
 from gui.jobs import Jobs
 from gui.pages.choice_bar import ChoiceBar
 from gui.pages.judging import Judging
-from gui.pages.plots import IntervalPlot, Mark, legend, names, placed
-from gui.pages.quiet_table import row_texts
+from gui.pages.plots import IntervalPlot, Mark, colour_of, legend, names, placed, shortened, symbol_of
+from gui.pages.quiet_table import fill, quiet_table, row_texts, still_columns
+from gui.pages.results.disputed import short_pair
 from gui.pages.results.match_preview import PICK, files_of, read_match
 from gui.pages.results.page import CHOICES, NO_STUDY, ResultsPage
-from gui.pages.results.precision import marks
+from gui.pages.results.precision import INTERVAL, LINE, NUMBERS, PRESET, marks
 from gui.pages.study.volunteers import HEADS, advice, people_cells, summary, when
 from gui.session import Session, State
 
@@ -255,6 +257,61 @@ def test_marks_stand_side_by_side_in_their_group():
     assert at[2][0] == 1  # alone in its group
     assert legend(given).count("<span") == 2
     assert "&lt;i&gt;" in legend([Mark("g", "<i>", 0.5)])
+
+
+def test_more_series_than_colours_are_told_apart_by_their_symbols():
+    assert len({(colour_of(row), symbol_of(row)) for row in range(40)}) == 40
+    assert legend([Mark("g", f"m{k}", 0.5) for k in range(12)]).count("●") == 1
+
+
+def test_names_beside_each_other_do_not_touch():
+    assert shortened(["vases", "lamps"], 400) == ["vases", "lamps"]
+    many = shortened([f"a set with a long name {k}" for k in range(30)], 1200)
+    assert all(len(name) * 8 <= 40 for name in many)
+    assert [name[-1] for name in many[:3]] == ["0", "1", "2"]  # what tells them apart is often at the end
+
+
+class Counting(QStyledItemDelegate):
+    """Counts how often a cell is measured."""
+
+    measured = 0
+
+    def sizeHint(self, option, index):
+        self.measured += 1
+        return super().sizeHint(option, index)
+
+
+def test_filling_a_table_measures_each_cell_a_few_times_and_not_all_for_each(qtbot):
+    table = quiet_table(("a", "b", "c"), 1, "b", None)
+    qtbot.addWidget(table)
+    counting = Counting(table)
+    table.setItemDelegate(counting)
+    table.show()
+    QApplication.processEvents()
+    fill(table, [("x", "y", str(k)) for k in range(100)], 1)
+    QApplication.processEvents()
+    before, width = counting.measured, table.columnWidth(2)
+    assert 0 < before <= 4 * 300
+    with still_columns(table):
+        for line in range(100):
+            table.item(line, 2).setText("a long text")
+    assert counting.measured - before <= 4 * 300
+    assert table.columnWidth(2) > width
+
+
+@pytest.mark.parametrize(("width", "drawn"), [(1280, True), (760, False)])
+def test_a_narrow_table_shows_the_numbers_of_an_interval_without_a_line(judged, width, drawn):
+    judged.resize(width, 560)
+    table = judged.precision.table
+    assert table.columnWidth(INTERVAL) >= NUMBERS
+    assert (table.columnWidth(INTERVAL) >= NUMBERS + LINE) == drawn
+    assert table.isColumnHidden(PRESET)  # it says the same as the method in every row
+    assert judged.precision.splitter.sizes()[0] > judged.precision.splitter.sizes()[1]
+
+
+def test_endings_of_meshes_are_left_out_of_the_list_of_disputed():
+    assert short_pair("vase1.off – vase.2.ply") == "vase1 – vase.2"
+    assert short_pair("anna.b") == "anna.b"
 
 
 def test_a_plot_is_made_with_the_first_mark_and_given_back(qtbot):

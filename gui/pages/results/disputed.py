@@ -1,22 +1,30 @@
 """The matches on which volunteers are divided, most divided first: a list, and the picture of the chosen one."""
 
+from pathlib import Path
+
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSplitter, QVBoxLayout, QWidget
 
 from annotation.findings.working import Disputed, Findings
 
-from ..quiet_table import fill, quiet_table
+from ..quiet_table import fill, quiet_table, still_columns
 from .match_preview import PICK, MatchPreview
 
 HEADS = ("pair", "set", "✓", "✗", "?", "majority")
 _TIPS = {"✓": "Votes for correct", "✗": "Votes for wrong", "?": "Unsure", "majority": "A tie stays a tie"}
 _WORDS = 2
+ENDINGS = (".off", ".obj", ".ply", ".stl", ".vtp")
+
+
+def short_pair(pair: str) -> str:
+    """'vase1.off – vase2.off' without the endings of the files, which say nothing in a list."""
+    return " – ".join(name[: -len(Path(name).suffix)] if Path(name).suffix in ENDINGS else name for name in pair.split(" – "))
 
 
 def disputed_cells(row: Disputed) -> tuple[str, ...]:
     """The texts of a row, in the order of `HEADS`."""
     correct, wrong, unsure, verdict = row.majority
-    return row.pair or "–", ", ".join(row.sets) or "–", str(correct), str(wrong), str(unsure), verdict
+    return short_pair(row.pair) or "–", ", ".join(row.sets) or "–", str(correct), str(wrong), str(unsure), verdict
 
 
 class DisputedSection(QWidget):
@@ -49,7 +57,7 @@ class DisputedSection(QWidget):
         self.splitter = QSplitter(Qt.Orientation.Horizontal, self)
         self.splitter.addWidget(self.table)
         self.splitter.addWidget(right)
-        self.splitter.setSizes([520, 700])
+        self.splitter.setSizes([600, 620])
         self.splitter.setChildrenCollapsible(False)
         whole = QVBoxLayout(self)
         whole.setContentsMargins(0, 0, 0, 0)
@@ -67,6 +75,9 @@ class DisputedSection(QWidget):
         before, self.rows = self.chosen, found.disputed
         blocked = self.table.blockSignals(True)
         fill(self.table, [disputed_cells(row) for row in self.rows], _WORDS, fitted=False)
+        with still_columns(self.table):
+            for line, row in enumerate(self.rows):
+                self.table.item(line, 0).setToolTip(row.pair)
         self.table.clearSelection()
         again = next((line for line, row in enumerate(self.rows) if row.item == before), -1)
         if again >= 0:

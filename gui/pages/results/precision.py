@@ -3,18 +3,20 @@
 from typing import NamedTuple
 
 from PySide6.QtCore import QModelIndex, QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPen
+from PySide6.QtGui import QColor, QPainter, QPen, QResizeEvent
 from PySide6.QtWidgets import (
     QCheckBox,
     QHBoxLayout,
+    QHeaderView,
     QLabel,
+    QSplitter,
     QStyledItemDelegate,
     QStyleOptionViewItem,
     QVBoxLayout,
     QWidget,
 )
 
-from annotation.findings.precision import ALL_SETS, Ballot, PrecisionRow, ballots, precision_table
+from annotation.findings.precision import ALL_SETS, PrecisionRow, ballots, precision_table
 from annotation.findings.tables import tables
 from annotation.findings.tabletext import agreement_line, row_name
 from annotation.findings.working import Findings
@@ -22,7 +24,7 @@ from annotation.study import StudyHandle
 
 from ...palette import theme
 from ..plots import IntervalPlot, Mark, legend
-from ..quiet_table import fill, quiet_table
+from ..quiet_table import fill, quiet_table, still_columns
 from ..shapes.arrange import share_text
 from .tables import TablesView
 
@@ -37,15 +39,17 @@ _TIPS = {
     "95 % interval": "The pair, or the puzzle, is the unit of sampling; the paler line takes all undecided ones as wrong or right",
 }  # fmt: skip
 _WORDS = 3
-MOST_OF_THESIS = 330  # pixels of the table of the thesis beside the plot
+PRESET = HEADS.index("preset")
+NUMBERS, LINE = 104, 56  # pixels of the numbers of an interval; the shortest line that is worth drawing beside them
+DENSE = 26  # height of a row: many sets times many methods
 _ROW = Qt.ItemDataRole.UserRole
 
 
 class Table(NamedTuple):
-    """The rows and the votes that they come from."""
+    """The rows, and a sentence on how far the votes behind them agree."""
 
     rows: tuple[PrecisionRow, ...]
-    votes: tuple[Ballot, ...]
+    agreement: str
 
 
 def cells(row: PrecisionRow) -> tuple[str, ...]:
@@ -80,15 +84,21 @@ class IntervalDelegate(QStyledItemDelegate):
         row: PrecisionRow | None = index.data(_ROW)
         if row is None:
             return
-        colours = theme(self.dark)
-        box = QRectF(option.rect).adjusted(8, 0, -96, 0)
-        middle = box.center().y()
+        painter.save()
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        if option.rect.width() >= NUMBERS + LINE:
+            self._draw(painter, QRectF(option.rect).adjusted(8, 0, -96, 0), row)
+        painter.setPen(QColor(theme(self.dark).ink))
+        numbers = QRectF(option.rect).adjusted(max(4, option.rect.width() - 90), 0, -4, 0)
+        painter.drawText(numbers, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, interval_text(row))
+        painter.restore()
+
+    def _draw(self, painter: QPainter, box: QRectF, row: PrecisionRow) -> None:
+        colours, middle = theme(self.dark), box.center().y()
 
         def at(share: float) -> QPointF:
             return QPointF(box.left() + share * box.width(), middle)
 
-        painter.save()
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(QPen(QColor(colours.line), 1))
         painter.drawLine(at(0), at(1))
         if row.bound_low is not None and row.bound_high is not None:
@@ -99,23 +109,20 @@ class IntervalDelegate(QStyledItemDelegate):
             painter.drawLine(at(row.interval.low), at(row.interval.high))
             painter.setBrush(QColor(colours.accent))
             painter.drawEllipse(at(row.micro), 4, 4)
-        painter.setPen(QColor(colours.ink))
-        numbers = QRectF(option.rect).adjusted(option.rect.width() - 90, 0, -4, 0)
-        painter.drawText(numbers, Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft, interval_text(row))
-        painter.restore()
 
 
 class PrecisionSection(QWidget):
-    """The table of precision, its notes, and the plot below."""
+    """The table of precision with its notes, and the plot below; a hand between them gives either more room."""
 
     empty = ("No match has been judged in this study yet. Judge some on the page Shapes with J and F, "
              "or let volunteers vote (Ctrl+4).")  # fmt: skip
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.content = Table((), ())
+        self.content = Table((), "")
         self.dark = False
-        self.table = quiet_table(HEADS, _WORDS, "95 % interval", self, _TIPS)
+        self.table = quiet_table(HEADS, _WORDS, "", self, _TIPS)
+        self.table.horizontalHeader().setSectionResizeMode(INTERVAL, QHeaderView.ResizeMode.Fixed)
         self.delegate = IntervalDelegate(self.table)
         self.table.setItemDelegateForColumn(INTERVAL, self.delegate)
         self.notes = QLabel("", self, wordWrap=True)
@@ -123,28 +130,44 @@ class PrecisionSection(QWidget):
         self.notes.setTextFormat(Qt.TextFormat.PlainText)
         self.plot = IntervalPlot("precision, %", self)
         self.plot.setMinimumHeight(150)
-        self.plot.setMaximumHeight(340)
         self.thesis = QCheckBox("as in Tables 3.1/3.2", self)
         self.thesis.setToolTip("The mean weighted by pairs, and the standard deviation of the sets")
         self.as_thesis = TablesView(self)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(12)
-        column.addWidget(self.table, 3)
-        column.addWidget(self.as_thesis, 3)
-        column.addWidget(self.notes)
-        self.legend = QLabel("", self, textFormat=Qt.TextFormat.RichText)
+        self.legend = QLabel("", self, textFormat=Qt.TextFormat.RichText, wordWrap=True)
+        self._lay_out()
+
+    def _lay_out(self) -> None:
+        self.table.verticalHeader().setDefaultSectionSize(DENSE)
+        above, below = QWidget(self), QWidget(self)
+        column = QVBoxLayout(above)
+        column.setContentsMargins(0, 0, 0, 4)
+        column.setSpacing(8)
+        for widget, stretch in ((self.table, 1), (self.as_thesis, 1), (self.notes, 0)):
+            column.addWidget(widget, stretch)
+        column.addStretch(0)
         row = QHBoxLayout()
         row.addWidget(self.legend, 1)
-        row.addWidget(self.thesis)
+        row.addWidget(self.thesis, 0, Qt.AlignmentFlag.AlignTop)
+        column = QVBoxLayout(below)
+        column.setContentsMargins(0, 4, 0, 0)
+        column.setSpacing(8)
         column.addLayout(row)
-        column.addWidget(self.plot, 4)
-        column.addStretch(0)
+        column.addWidget(self.plot, 1)
+        self.splitter = QSplitter(Qt.Orientation.Vertical, self)
+        for part in (above, below):
+            self.splitter.addWidget(part)
+        self.splitter.setSizes([620, 380])
+        self.splitter.setStretchFactor(0, 62)
+        self.splitter.setStretchFactor(1, 38)
+        self.splitter.handle(1).setToolTip("Drag for more of the table, or of the plot")
+        whole = QVBoxLayout(self)
+        whole.setContentsMargins(0, 0, 0, 0)
+        whole.addWidget(self.splitter)
 
     @staticmethod
     def read(handle: StudyHandle) -> Table:
-        """The rows and votes of a study."""
-        return Table(precision_table(handle), ballots(handle))
+        """The rows of a study and the agreement of its votes, in a thread: with many votes that takes a moment."""
+        return Table(precision_table(handle), agreement_line(ballots(handle)))
 
     def show_content(self, content: Table | Findings) -> bool:
         """Show rows, notes and plot, or the table of the thesis; whether there is anything to show."""
@@ -154,19 +177,21 @@ class PrecisionSection(QWidget):
         self.as_thesis.setVisible(thesis)
         if isinstance(content, Findings):
             self.as_thesis.show_tables(tables(content, "precision"))
-            self.as_thesis.setMinimumHeight(min(self.as_thesis.widget().sizeHint().height() + 4, MOST_OF_THESIS))
             self._plot((*content.rows, *content.chosen))
             return bool(content.rows or content.chosen)
         self.content = content
         fill(self.table, [cells(row) for row in content.rows], _WORDS)
-        for line, row in enumerate(content.rows):
-            item = self.table.item(line, INTERVAL)
-            item.setData(_ROW, row)
-            item.setToolTip(row.interval.method if row.interval else "Nothing is decided yet.")
+        self.table.setColumnHidden(PRESET, all(row.preset in ("", row.method) for row in content.rows))
+        self._fit()
+        with still_columns(self.table):
+            for line, row in enumerate(content.rows):
+                item = self.table.item(line, INTERVAL)
+                item.setData(_ROW, row)
+                item.setToolTip(row.interval.method if row.interval else "Nothing is decided yet.")
         starred = "* Pairs of this row were matched with different parameters. " if any(
             row.parameter_sets > 1 for row in content.rows) else ""  # fmt: skip
         legend = "The dot is the precision, the line its 95 % interval, the band what the undecided could make of it.\n"
-        self.notes.setText(legend + starred + agreement_line(content.votes))
+        self.notes.setText(legend + starred + content.agreement)
         self._plot(content.rows)
         return bool(content.rows)
 
@@ -175,6 +200,16 @@ class PrecisionSection(QWidget):
         self.plot.setVisible(bool(drawn))
         self.legend.setText(legend(drawn))
         self.plot.show_marks(drawn, self.dark)
+
+    def _fit(self) -> None:
+        """The interval takes the room that is left, and never less than its numbers."""
+        head = self.table.horizontalHeader()
+        others = sum(head.sectionSize(k) for k in range(head.count()) if k != INTERVAL and not head.isSectionHidden(k))
+        self.table.setColumnWidth(INTERVAL, max(NUMBERS, self.table.viewport().width() - others))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self._fit()
 
     def set_dark(self, dark: bool) -> None:
         """Follow the theme."""

@@ -11,7 +11,7 @@ from annotation.design.flags import Disputed, unresolved
 from annotation.findings.overview import VolunteerRow, overview
 from annotation.study import StudyHandle
 
-from ..quiet_table import fill, quiet_table
+from ..quiet_table import fill, quiet_table, still_columns
 from ..shapes.arrange import share_text
 from .sources import plural
 
@@ -132,12 +132,13 @@ class VolunteersSection(QWidget):
         before, self.rows = self.chosen, found.rows
         now = datetime.now(UTC).astimezone()
         fill(self.table, [people_cells(row, now) for row in found.rows], _WORDS)
-        for line, row in enumerate(found.rows):
-            item = self.table.item(line, HEADS.index("to look at"))
-            item.setToolTip("\n".join(row.flags))
-            item.setTextAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
-            if row.code == before:
-                self.table.selectRow(line)
+        with still_columns(self.table):
+            for line, row in enumerate(found.rows):
+                item = self.table.item(line, HEADS.index("to look at"))
+                item.setToolTip("\n".join(row.flags))
+                item.setTextAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+                if row.code == before:
+                    self.table.selectRow(line)
         self.table.setVisible(bool(found.rows))
         self.head.setText(summary(found.rows, found.unresolved) if found.rows else self.empty)
         self.advice.setText(advice(found.rows, found.unresolved))

@@ -10,8 +10,9 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, Table, insert, select, update
 
-from engine.errors import BadParameter
+from engine.errors import BadInput, BadParameter
 
+from ..exchange.tombstones import family
 from ..records import Study
 from ..results.proposals import batched
 from ..storage import schema
@@ -44,8 +45,8 @@ def top_up_study(
 ) -> tuple[StudyHandle, int]:
     """Make a study of those matches alone that have no vote yet (and of the practice items); the first stays as it is.
 
-    Its settings say whose top-up it is (`tops_up`), so that it can be merged back. Returns it, open, and how many
-    matches it asks. Raises `BadParameter` where none are left.
+    Its settings say whose top-up it is (`tops_up`), and of which first study (`family`), so that it can be merged back.
+    Returns it, open, and how many matches it asks. Raises `BadParameter` where none are left.
     """
     study = about(handle)
     with handle.reading() as connection:
@@ -66,7 +67,7 @@ def top_up_study(
                 connection.execute(insert(table), rows)
         put_asked(connection, (_likely(row, chances) for row in (*old, *new)))
 
-    settings = {**study.settings, "tops_up": study.id}
+    settings = {**study.settings, "tops_up": study.id, "family": family(study.id, study.settings)}
     made = create_study(
         where, name=name or f"{study.name}, {study_name(where)}", question=study.question, guideline=study.guideline,
         seed=study.seed, votes=study.votes, adaptive=study.adaptive, unsure=study.unsure, settings=settings, also=fill,
@@ -108,13 +109,22 @@ def _name(handle: StudyHandle, role: str, known: Known, count: int | None) -> in
 
 def _checked(study: Study, most: int | None) -> int:
     """How many are to be drawn at most."""
-    sampled = study.settings.get("design", {}).get("most", 0)
+    sampled = _setting(study, "most")
     if most is None and sampled:
         raise BadParameter(f"{study.name} asks a sample of {sampled} matches; say how many more are to be drawn with "
                            "--most, 0 for all.")  # fmt: skip
     if most is not None and most < 0:
         raise BadParameter(f"A top-up of {most} matches is not possible; give 0 for all, or a number above it.")
     return most or 0
+
+
+def _setting(study: Study, name: str) -> Any:
+    """What the study keeps of its design, the default where it keeps nothing; raises `BadInput` where that is none."""
+    try:
+        kept = {**study.settings.get("design", {})}
+        return getattr(Design().changed(**{name: kept.get(name, getattr(Design(), name))}), name)
+    except (TypeError, BadParameter):
+        raise BadInput(f"The settings of {study.name} are damaged (its design has no {name!r}); use a backup.") from None
 
 
 def _drawn(connection: Connection, study: Study, most: int) -> list[Drawn]:
@@ -124,7 +134,7 @@ def _drawn(connection: Connection, study: Study, most: int) -> list[Drawn]:
     if not known or not left:
         return []
     drawn = sample(left, most, study.seed)
-    share = study.settings.get("design", {}).get("overlap", Design().overlap)
+    share = _setting(study, "overlap")
     twice = overlapped(list(drawn), share if study.adaptive and study.votes > 2 else 0.0, study.seed)
     return [Drawn(item, "judged", None, "", left[item], chance, item in twice) for item, chance in drawn.items()]
 

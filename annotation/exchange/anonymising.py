@@ -50,7 +50,7 @@ class Anonymous(Unchanged):
         def renamed(value: Any) -> Any:
             return self.codes.get(value, value) if isinstance(value, str) else value
 
-        settings = {name: value for name, value in json.loads(rows[0]["settings"]).items() if name != "tops_up"}
+        settings = {name: value for name, value in json.loads(rows[0]["settings"]).items() if name not in ("tops_up", "family")}
         clean = canonical(_walked(_without_folders(settings), renamed))
         return [rows[0] | {"id": str(uuid.uuid4()), "seed": secrets.token_hex(16), "settings": clean}]
 

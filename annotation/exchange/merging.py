@@ -21,7 +21,7 @@ from ..storage.payloads import read_payload
 from ..study import open_study
 from .forgetting import bury, clean_backups, lay_to_rest
 from .packets import shapes_shown
-from .tombstones import Tombstone, read_tombstones
+from .tombstones import Tombstone, family_of, read_tombstones
 from .uniting import Cells, append, every_row, unite, unite_blobs
 
 _MERGED = (schema.item, schema.run, schema.run_match, schema.volunteer, schema.asked, schema.assignment)
@@ -112,7 +112,7 @@ def _check_relation(theirs: _Content, ours: Row[Any], source: str, target: Study
         return
     if theirs.packet is not None:
         raise BadInput(f"{source} is a packet of another study ({theirs.study.name!r}, not {ours.name!r}); merge it into that.")
-    if not other_study and json.loads(theirs.study.settings).get("tops_up") != ours.id:
+    if not other_study and not _tops_up(theirs.study, ours):
         raise BadInput(
             f"{source} belongs to another study ({theirs.study.name!r}, not {ours.name!r}); "
             "merge copies of one study, or say that it is meant to be another."
@@ -133,11 +133,16 @@ def _take(connection: Connection, theirs: _Content, source: StudyHandle) -> Merg
         unite(connection, schema.study, [dict(theirs.study._mapping)])
     new = {table.name: unite(connection, table, tables[table.name], only_new=not whole and table is schema.item)
            for table in (_MERGED if whole else _OF_A_PACKET)}  # fmt: skip
-    if json.loads(theirs.study.settings).get("tops_up") == ours.id:
+    if _tops_up(theirs.study, ours):
         settle_probabilities(connection)
     unite_blobs(connection, source, theirs.shapes, only_new=not whole)
     events = append(connection, _left(_own(theirs, source.where), buried.event), source.where)
     return Merged(new["item"], new.get("run", 0), new["volunteer"], events, gone)
+
+
+def _tops_up(theirs: Row[Any], ours: Row[Any]) -> bool:
+    """Whether a study was made to top up another one, or to top up one that does."""
+    return theirs.id != ours.id and ours.id in (json.loads(theirs.settings).get("tops_up"), family_of(theirs))
 
 
 def _left(rows: list[Cells], what: Callable[[Cells], Cells | None]) -> list[Cells]:

@@ -7,7 +7,7 @@ a file is merged: another code, no comment, no time of the day; or nothing at al
 import functools
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from sqlalchemy import Connection, Row, select
@@ -35,8 +35,13 @@ def code_hash(family: str, code: str) -> str:
 
 
 def family_of(row: Row[Any]) -> str:
-    """The id of a row of `study`, or that of the study which it tops up: its votes will go there."""
-    return str(json.loads(row.settings).get("tops_up") or row.id)
+    """The family of a row of `study`."""
+    return family(row.id, json.loads(row.settings))
+
+
+def family(study_id: str, settings: Mapping[str, Any]) -> str:
+    """The id of a study, or of the first of those of which each tops up the one before: all votes may go there."""
+    return str(settings.get("family") or settings.get("tops_up") or study_id)
 
 
 class Tombstones:

@@ -17,6 +17,10 @@ from .handle import StudyHandle
 if TYPE_CHECKING:
     from engine.shapes.segmentation import SegmentedShape
 
+_ARRAYS = ("vertices", "faces", "labels", "names", "numbers")
+MOST_BYTES = 2**30
+"""Of one shape, unpacked: twenty million faces. A stranger's packet may hold a few bytes that unpack to far more."""
+
 
 def shape_key(side: Mapping[str, Any]) -> str:
     """The key of the shape that one side of an item shows: its mesh and how that was cut up (where that is known)."""
@@ -82,14 +86,27 @@ def _unpacked(content: bytes) -> "SegmentedShape":
     """The shape of `_packed`; raises `BadInput` where its bytes are damaged."""
     try:
         return _read(content)
-    except (zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, EOFError, OSError, NotImplementedError, RuntimeError):
+    except (
+        zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, EOFError, OSError, NotImplementedError, RuntimeError, MemoryError,
+    ):  # fmt: skip
         raise BadInput("A shape that is kept in the study is damaged; use a backup, or add its result again to a new study.") from None
+
+
+def _check_size(content: bytes) -> None:
+    """Raise `ValueError` where the arrays are not those of a shape, or unpack to more than any shape takes."""
+    with zipfile.ZipFile(io.BytesIO(content)) as packed:
+        infos = packed.infolist()
+    if sorted(info.filename for info in infos) != sorted(f"{name}.npy" for name in _ARRAYS):
+        raise ValueError("these are not the arrays of a shape")
+    if sum(info.file_size for info in infos) > MOST_BYTES:
+        raise ValueError("the arrays are too large")
 
 
 def _read(content: bytes) -> "SegmentedShape":
     from engine.shapes.mesh import Mesh
     from engine.shapes.segmentation import Segmentation, SegmentedShape
 
+    _check_size(content)
     with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
         pairs = zip(arrays["names"].tolist(), arrays["numbers"].tolist(), strict=True)
         names = tuple(int(name) if number else name for name, number in pairs)

@@ -37,11 +37,11 @@ def own_code(handle: StudyHandle, code: str) -> str:
 
 
 def volunteer(handle: StudyHandle, code: str) -> Volunteer:
-    """The volunteer of that code, made on first use."""
+    """The volunteer of that code, made on first use; who came in by a merge gets an order and sides on first use."""
     code = own_code(handle, code)
     with handle.reading() as connection:
         row = connection.execute(select(schema.volunteer).where(schema.volunteer.c.code == code)).first()
-    if row is not None:
+    if row is not None and (row.seed or handle.volunteer is not None):
         return _voter(row)
     with handle.writing() as connection:
         return enrolled(connection, code)
@@ -111,6 +111,10 @@ def enrolled(connection: Connection, code: str) -> Volunteer:
         seed = _fresh_seed(connection, code, *_queue(connection, code, *_asked(connection)))
         connection.execute(insert(schema.volunteer).values(code=code, seed=seed, created_at=now()))
         return Volunteer(code, seed)
+    if not found.seed:  # of a volunteer who came in by a packet or another study
+        seed = _fresh_seed(connection, code, *_queue(connection, code, *_asked(connection)))
+        connection.execute(update(schema.volunteer).where(schema.volunteer.c.code == code).values(seed=seed))
+        return Volunteer(code, seed, bool(found.adjudicates))
     return _voter(found)
 
 

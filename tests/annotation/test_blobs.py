@@ -1,9 +1,13 @@
 """Shapes in a study: they come back as they were, and are known by what the items say of them."""
 
+import io
+import zipfile
+
 import numpy as np
 import pytest
 from judging_world import study_of
 
+from annotation.storage import blobs
 from annotation.storage.blobs import keep_shapes, kept_shapes, shape_key
 from engine.errors import BadInput
 from engine.shapes.identity import mesh_id, node_id, segment_ids
@@ -49,5 +53,32 @@ def test_a_shape_whose_bytes_are_damaged_is_told(tmp_path, shape, keep):
             whole = bytes(connection.exec_driver_sql("SELECT content FROM blob").scalar_one())
             broken = bytes(a ^ 255 if k % 40 == 0 else a for k, a in enumerate(whole)) if keep == 0.5 else whole[:keep]
             connection.exec_driver_sql("UPDATE blob SET content = ?", (broken,))
+        with pytest.raises(BadInput, match="damaged"):
+            kept_shapes(handle, side(shape))
+
+
+def test_a_few_bytes_that_unpack_to_more_than_a_shape_are_told(tmp_path, shape, monkeypatch):
+    with study_of(tmp_path / "a.db") as handle:
+        keep_shapes(handle, [shape])
+        monkeypatch.setattr(blobs, "MOST_BYTES", 500)
+        monkeypatch.setattr(np, "load", lambda *_, **__: pytest.fail("it was unpacked"))
+        with pytest.raises(BadInput, match="damaged"):
+            kept_shapes(handle, side(shape))
+
+
+@pytest.mark.parametrize(("name", "count"), [("vertices", 2**60), ("vertices", 10**12), ("more", 1)])
+def test_arrays_that_claim_to_be_larger_than_they_are_or_strange_are_told(tmp_path, shape, name, count):
+    with study_of(tmp_path / "a.db") as handle:
+        keep_shapes(handle, [shape])
+        with handle.writing() as connection:
+            whole = bytes(connection.exec_driver_sql("SELECT content FROM blob").scalar_one())
+            out, array = io.BytesIO(), io.BytesIO()
+            np.lib.format.write_array_header_1_0(array, {"descr": "<f8", "fortran_order": False, "shape": (count, 3)})
+            with zipfile.ZipFile(io.BytesIO(whole)) as old, zipfile.ZipFile(out, "w") as new:
+                for info in old.infolist():
+                    if info.filename != f"{name}.npy":
+                        new.writestr(info.filename, old.read(info))
+                new.writestr(f"{name}.npy", array.getvalue())
+            connection.exec_driver_sql("UPDATE blob SET content = ?", (out.getvalue(),))
         with pytest.raises(BadInput, match="damaged"):
             kept_shapes(handle, side(shape))

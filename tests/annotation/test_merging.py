@@ -122,6 +122,24 @@ def test_histories_that_contradict_are_refused_and_nothing_changes(tmp_path, sta
     assert content(tmp_path / "a.db") == before
 
 
+def test_who_comes_in_by_a_packet_gets_an_own_order_and_sides_when_voting_live(tmp_path):
+    strip_study(tmp_path / "a.db", votes=2).close()
+    shutil.copyfile(tmp_path / "a.db", tmp_path / "copy.db")
+    with study.open_study(tmp_path / "copy.db") as copy:
+        for code in ("anna", "bert"):
+            with study.open_study(make_packet(copy, code, tmp_path / f"{code}.db", 1).path) as packet:
+                study.record_vote(packet, study.open_items(packet, code)[0].item_id, code, "wrong")
+    with study.open_study(tmp_path / "a.db") as handle:
+        for code in ("anna", "bert"):
+            merge(handle.path, tmp_path / f"{code}.db")
+            assert next(one for one in study.volunteers(handle) if one.code == code).seed == ""
+        seeds = [study.volunteer(handle, code).seed for code in ("anna", "bert")]
+        assert len(set(seeds) - {""}) == 2
+        assert [study.volunteer(handle, code).seed for code in ("anna", "bert")] == seeds
+        merge(handle.path, tmp_path / "anna.db")
+        assert [one.seed for one in study.volunteers(handle)] == seeds
+
+
 def test_a_packet_with_votes_of_others_is_refused(tmp_path):
     with strip_study(tmp_path / "a.db") as handle:
         packet = make_packet(handle, "anna", tmp_path / "p.db").path

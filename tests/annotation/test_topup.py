@@ -7,11 +7,12 @@ from sqlalchemy import select
 from annotation import study
 from annotation.design.designing import Design, create_design, judged_counts
 from annotation.design.topup import name_gold, name_practice, top_up, top_up_study
+from annotation.exchange.forgetting import forget
 from annotation.exchange.merging import merge_handles
 from annotation.storage import schema
 from annotation.study import add_run
 from annotation.voting.answering import open_items
-from engine.errors import BadParameter
+from engine.errors import BadInput, BadParameter
 
 DESIGN = Design(name="Lamps", gold=0, practice=0, overlap=0.5)
 NEW = run_of("lamps", "a", ["a-4", "a-5", "a-6", "a-7"], "thesis")
@@ -119,3 +120,46 @@ def test_a_study_that_asks_everything_goes_on_asking_everything(place, tmp_path)
 def test_no_more_gold_is_named_than_wanted(handle):
     assert name_gold(handle, known([f"a-{n}" for n in range(8)]), 3) == 3
     assert sum(row.role == "gold" for row in asked(handle).values()) == 3
+
+
+@pytest.mark.parametrize("design", [3, None, [], {"most": "many", "overlap": "all"}, {"most": -4, "overlap": 7}])
+def test_a_damaged_design_is_told(place, design):
+    with study.create_study(place, name="Odd", votes=3, settings={"design": design}) as handle:
+        add_run(handle, runs_of({"a": 3})[0])
+        assert name_gold(handle, known(["a-0"])) == 1
+        add_run(handle, NEW)
+        with pytest.raises(BadInput, match="settings of Odd are damaged"):
+            top_up(handle, most=0)
+        assert len(asked(handle)) == 3
+
+
+def test_a_top_up_of_a_top_up_goes_into_both(handle, tmp_path):
+    middle, _ = top_up_study(handle, tmp_path / "middle.db")
+    with middle:
+        last, left = top_up_study(middle, tmp_path / "last.db")
+        with last:
+            assert left == 6
+            study.record_vote(last, "a-6", "carl", "wrong")
+            for target in (handle, middle, handle):
+                merge_handles(last, target)
+                assert study.answers(target, "carl") == {"a-6": "wrong"}
+        merge_handles(middle, handle)
+        with pytest.raises(BadInput, match="another study"):
+            merge_handles(handle, last)
+    assert {row.probability for row in asked(handle).values()} == {1.0}
+
+
+def test_who_is_deleted_in_a_top_up_of_a_top_up_is_deleted_where_it_goes(handle, tmp_path):
+    middle, _ = top_up_study(handle, tmp_path / "middle.db")
+    with middle:
+        last, _ = top_up_study(middle, tmp_path / "last.db")
+        with last:
+            for target in (middle, last):
+                study.record_vote(target, "a-6", "anna-quill", "wrong")
+            study.record_vote(handle, "a-1", "anna-quill", "wrong")
+            gone = forget(last, "anna-quill")
+            merge_handles(last, middle)
+        assert {one.code for one in study.volunteers(middle)} == {gone.pseudonym}
+        merge_handles(middle, handle)
+    assert "anna-quill" not in {one.code for one in study.volunteers(handle)}
+    assert set(study.answers(handle, gone.pseudonym)) == {"a-1", "a-6"}

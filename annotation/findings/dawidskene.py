@@ -5,15 +5,18 @@ one wrong with another (specificity), votes are independent given what the match
 turns: what the matches are by what volunteers are worth, and the other way round. Abstentions are left out.
 """
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from .ballots import Ballot
 
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
 LEAST_VOLUNTEERS = 3  # of two, nothing can say which of them errs
-ROUNDS = 5000
+ROUNDS = 1000
 CLOSE = 1e-6  # change of every probability below which the search ends
 PRIOR = 1.0  # imagined votes of each kind: few votes do not make a volunteer perfect
 
@@ -40,39 +43,42 @@ def dawid_skene(votes: Sequence[Ballot], *, prior: float = PRIOR) -> DawidSkene 
     if len(volunteers) < LEAST_VOLUNTEERS:
         return None
     row, column = {name: k for k, name in enumerate(items)}, {name: k for k, name in enumerate(volunteers)}
-    of = np.array([row[v.item] for v in told])
-    by = np.array([column[v.volunteer] for v in told])
-    yes = np.array([v.answer == "correct" for v in told])
-    number = np.bincount(of, minlength=len(items))
-    p = np.bincount(of, yes, len(items)) / number
+    said = [_table(told, answer, row, column) for answer in ("correct", "wrong")]
+    said.append(said[0] + said[1])
+    p = np.asarray(said[0].sum(axis=1) / said[2].sum(axis=1))
     trace: list[float] = []
     while True:
-        share, right = _maximised(p, of, by, yes, len(volunteers), prior)
+        share, right = _maximised(p, said, prior)
         before = p
-        p, objective = _expected(share, right, of, by, yes, len(items), prior)
+        p, objective = _expected(share, right, said, prior)
         trace.append(objective)
         if len(trace) == ROUNDS or np.abs(p - before).max() < CLOSE:
             return DawidSkene(tuple(items), p, tuple(volunteers), right[:, 0], right[:, 1], share, tuple(trace))
 
 
-def _maximised(
-    p: np.ndarray, of: np.ndarray, by: np.ndarray, yes: np.ndarray, count: int, prior: float
-) -> tuple[float, np.ndarray]:
-    """The share of correct items, and (v, 2) sensitivity and specificity, given p (n,)."""
-    right = np.empty((count, 2))
-    for k, (weight, agrees) in enumerate(((p[of], yes), (1 - p[of], ~yes))):
-        whole = np.bincount(by, weight, count) + 2 * prior
-        right[:, k] = np.where(whole > 0, (np.bincount(by, weight * agrees, count) + prior) / np.where(whole > 0, whole, 1), 0.5)
+def _table(votes: Sequence[Ballot], answer: str, row: Mapping[str, int], column: Mapping[str, int]) -> "csr_array":
+    """Which items (n) which volunteers (v) gave an answer to, (n, v) of 0 and 1, sparse."""
+    from scipy.sparse import csr_array
+
+    places = sorted((row[v.item], column[v.volunteer]) for v in votes if v.answer == answer)
+    of, by = np.array(places, dtype=np.int64).reshape(-1, 2).T
+    return csr_array((np.ones(len(places)), (of, by)), shape=(len(row), len(column)))
+
+
+def _maximised(p: np.ndarray, said: Sequence["csr_array"], prior: float) -> tuple[float, np.ndarray]:
+    """The share of correct items, and (v, 2) sensitivity and specificity, given p (n,), and who called what correct, wrong, either."""
+    right = np.empty((said[0].shape[1], 2))
+    for k, weight in enumerate((p, 1 - p)):
+        whole = said[2].T @ weight + 2 * prior
+        right[:, k] = np.where(whole > 0, (said[k].T @ weight + prior) / np.where(whole > 0, whole, 1), 0.5)
     return float((p.sum() + prior) / (len(p) + 2 * prior)), right
 
 
-def _expected(
-    share: float, right: np.ndarray, of: np.ndarray, by: np.ndarray, yes: np.ndarray, count: int, prior: float
-) -> tuple[np.ndarray, float]:
+def _expected(share: float, right: np.ndarray, said: Sequence["csr_array"], prior: float) -> tuple[np.ndarray, float]:
     """The probability (n,) of each item to be correct given shares, and the log of what these explain."""
-    sensitivity, specificity = right[by].T
-    log_yes = _log(share) + np.bincount(of, _log(np.where(yes, sensitivity, 1 - sensitivity)), count)
-    log_no = _log(1 - share) + np.bincount(of, _log(np.where(yes, 1 - specificity, specificity)), count)
+    (sensitivity, specificity), (yes, no, _) = right.T, said
+    log_yes = _log(share) + yes @ _log(sensitivity) + no @ _log(1 - sensitivity)
+    log_no = _log(1 - share) + yes @ _log(1 - specificity) + no @ _log(specificity)
     together = np.logaddexp(log_yes, log_no)
     own = prior * float((_log(right) + _log(1 - right)).sum() + _log(share) + _log(1 - share)) if prior else 0.0
     return np.exp(log_yes - together), float(together.sum()) + own

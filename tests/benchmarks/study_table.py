@@ -32,8 +32,9 @@ def main() -> None:
 
 
 def fill(handle: study.StudyHandle, rng: random.Random) -> None:
-    """Every volunteer votes on every match; each method proposes some on each pair."""
+    """Every volunteer votes on every match, nine of ten times as it is; each method proposes some on each pair."""
     items = [f"{k:05d}" for k in range(ITEMS)]
+    right = {item: rng.random() < 0.8 for item in items}
     for method in range(METHODS):
         for name in range(SETS):
             for pair in range(PAIRS):
@@ -42,7 +43,7 @@ def fill(handle: study.StudyHandle, rng: random.Random) -> None:
     codes = [study.volunteer(handle, f"v{k}").code for k in range(VOLUNTEERS)]
     rows = [
         {"uuid": str(uuid.uuid4()), "kind": "vote", "item_id": item, "volunteer": code, "round": 1, "comment": "", "clock": k,
-         "answer": "correct" if rng.random() < 0.8 else "wrong", "supersedes": None, "shown_ms": 2000, "active_ms": None,
+         "answer": "correct" if (rng.random() < 0.9) == right[item] else "wrong", "supersedes": None, "shown_ms": 2000, "active_ms": None,
          "presentation": "{}", "app_version": "", "created_at": "2026-01-01T00:00:00+00:00"}
         for code in codes for k, item in enumerate(items, start=1)
     ]  # fmt: skip

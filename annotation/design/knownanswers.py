@@ -20,6 +20,8 @@ from ..voting.majority import Answer
 from .sampling import Known
 
 if TYPE_CHECKING:
+    from engine.puzzles.pieces import Puzzle, Truth
+    from engine.puzzles.solution import Joins
     from engine.shapes.segmentation import SegmentedShape
 
 CLEAR = 0.9  # of the area of both sides must be of the same classes where a match is known to be right, of others where wrong
@@ -140,14 +142,17 @@ def _by_picture(path: Path) -> dict[str, Practice]:
     """What the picture that the pieces were cut from tells of a solution's joins; nothing of photographed pieces."""
     from engine.puzzles.reopening import reopen
 
+    puzzle, truth, solution, _ = reopen(path)
+    return known_by_picture(puzzle, truth, solution.joins) if truth is not None else {}
+
+
+def known_by_picture(puzzle: "Puzzle", truth: "Truth", joins: "Joins") -> dict[str, Practice]:
+    """What the picture that the pieces were cut from tells of joins (j,)."""
     from ..results.puzzlejoins import join_ids, truth_answers
 
-    puzzle, truth, solution, _ = reopen(path)
-    if truth is None:
-        return {}
-    right = truth_answers(puzzle, truth, solution.joins)
+    right = truth_answers(puzzle, truth, joins)
     answers = (Practice("correct", _JOINED) if true else Practice("wrong", _APART) for true in right)
-    return dict(zip(join_ids(puzzle, solution.joins), answers, strict=True))
+    return dict(zip(join_ids(puzzle, joins), answers, strict=True))
 
 
 def merged(*known: Known) -> dict[str, Practice]:

@@ -3,15 +3,17 @@
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel
-from research_world import items_of, known, runs_of_bars
+from research_world import items_of, known, run_of, runs_of_bars
 
 from annotation.design.designing import Design, draw_design
 from annotation.design.planning import Expectations, needed, votes_each
 from engine.errors import BadInput
 from engine.parameters import declared
+from engine.shapes.families.collection import off_text
+from engine.shapes.meshfile import load_shape
 from gui.pages.study.calculator import expected_of, given_text
 from gui.pages.study.design_form import DesignForm, decimals
-from gui.pages.study.sources import Source, counted, counts_text, hours_text, plan_text, plural
+from gui.pages.study.sources import Source, counted, counts_text, hours_text, plan_text, plural, shape_source, truth_of
 from gui.pages.study.wizard import STEPS, StudyWizard
 from gui.pages.study.wizard_results import problem
 from gui.pages.study.wizard_steps import Place, ending_for, suggested, with_password
@@ -282,3 +284,94 @@ def test_shares_are_shown_in_per_cent_and_kept_as_shares(qtbot):
     assert form.rows["gold"].editor.text() == "5 %"
     form.rows["gold"].editor.setValue(12)
     assert form.values() == {"gold": 0.12, "overlap": 0.2, "votes": 3}
+
+
+# --- the truth that came along
+
+
+@pytest.fixture
+def at_checks(wizard, runs):
+    """The wizard at its step of checks, with results of which three matches are known."""
+    items = items_of(runs)
+    wizard.results.sources = [source._replace(truth=lambda _, k=k: known(items, {k: "correct", 5: "wrong"}))
+                              for k, source in enumerate(wizard.results.sources)]  # fmt: skip
+    wizard._counted = None
+    to(wizard, "checks")
+    return wizard
+
+
+def answer(jobs):
+    """Let what was asked last come to its end."""
+    work, done, _ = jobs.pop()
+    done(work(lambda *_: None))
+
+
+def test_the_truth_is_read_in_a_job_and_counted(at_checks, jobs, runs):
+    at_checks.checks.source.buttons["truth"].setChecked(True)
+    assert not at_checks.checks.path.isVisible()
+    at_checks.forward()
+    assert "still being read" in at_checks.error.text()
+    assert len(jobs) == 1
+    answer(jobs)
+    assert at_checks.checks.told.text() == "3 matches are known: 2 correct, 1 wrong."
+    at_checks.forward()
+    assert at_checks.known == known(items_of(runs), {0: "correct", 1: "correct", 5: "wrong"})
+
+
+def test_other_results_have_another_truth(at_checks, jobs):
+    at_checks.checks.source.buttons["truth"].setChecked(True)
+    late = jobs.pop()
+    at_checks.show_step(0)
+    at_checks.results.table.item(1, 0).setCheckState(Qt.CheckState.Unchecked)
+    to(at_checks, "checks")
+    answer(jobs)
+    assert "2 matches are known" in at_checks.checks.told.text()
+    late[1](late[0](lambda *_: None))  # an answer on what is no longer ticked
+    assert "2 matches are known" in at_checks.checks.told.text()
+
+
+def test_no_truth_and_a_failing_one_are_said_and_the_step_stays(at_checks, jobs):
+    at_checks.results.sources = [source._replace(truth=None) for source in at_checks.results.sources]
+    at_checks._counted = None
+    at_checks.checks.source.buttons["truth"].setChecked(True)
+    answer(jobs)
+    assert "no .sem file" in at_checks.checks.told.text()
+    at_checks.forward()
+    assert "No truth came along" in at_checks.error.text()
+    assert STEPS[at_checks.number][0] == "checks"
+
+
+def test_classes_beside_the_meshes_tell_of_matches(tmp_path, make_bar):
+    shapes = []
+    for sections, name in ((3, "one"), (4, "two")):
+        bar, path = make_bar(sections), tmp_path / f"{name}.off"
+        path.write_text(off_text(bar.mesh))
+        for ending in (".seg", ".sem"):
+            path.with_suffix(ending).write_text("\n".join(map(str, bar.segmentation.labels)))
+        shapes.append(load_shape(path))
+    run = run_of(*shapes, "careful", [(0, 0), (1, 2)])
+    source = shape_source("both", (run,), tuple(shapes))
+    ids = [proposal.item.id for proposal in run.proposals]
+    assert {item: one.answer for item, one in source.truth(lambda *_: None).items()} == dict(zip(ids, ("correct", "wrong"), strict=True))
+    (tmp_path / "two.sem").unlink()
+    assert truth_of([source], lambda *_: None) == {}
+
+
+# --- names that no file can have
+
+
+def test_a_very_long_name_gives_a_short_file_and_a_path_that_is_too_long_is_refused(wizard):
+    to(wizard, "place")
+    wizard.place.form.rows["name"].editor.setText("x" * 300)
+    assert wizard.place.path.line.text().endswith("/" + "x" * 60 + ".db")
+    wizard.place.path.line.setText("/tmp/" + "y" * 250 + ".db")
+    wizard.forward()
+    assert "too long" in wizard.place.path.error.text()
+    assert wizard.next.isEnabled()
+
+
+def test_the_correlation_within_a_pair_is_explained_where_it_is_asked(wizard):
+    to(wizard, "sample")
+    assert "intraclass" in wizard.sample.expectations.rows["correlation"].help.text()
+    assert wizard.sample.expectations.rows["correlation"].help.isVisible()
+    assert not wizard.sample.expectations.rows["volunteers"].help.isVisible()

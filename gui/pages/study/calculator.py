@@ -19,7 +19,7 @@ from .sources import hours_text
 
 CAPTIONS = {
     "half_width": "Half width of the interval", "confidence": "Confidence", "precision": "Precision expected",
-    "per_pair": "Matches a pair", "correlation": "Alikeness within a pair", "volunteers": "Volunteers",
+    "per_pair": "Matches a pair", "correlation": "Correlation within a pair", "volunteers": "Volunteers",
     "disagreement": "Two volunteers differ on", "abstention": "Votes that are unsure", "seconds": "Time a vote",
 }  # fmt: skip
 SAMPLE_CAPTIONS = {"most": "Most matches asked (0: all)", "seed": "Seed of all draws"}
@@ -92,6 +92,7 @@ class SampleStep(QWidget):
         box = QFrame(self)
         box.setObjectName("calculator")
         self.expectations = DesignForm(Expectations, tuple(CAPTIONS), box, CAPTIONS, compact=True)
+        self.expectations.rows["correlation"].help.show()  # the one that nobody can guess
         head, self.answer = QLabel("What an interval takes", box), QLabel("", box, wordWrap=True)
         head.setObjectName("group-heading")
         self.answer.setObjectName("summary")

@@ -1,4 +1,4 @@
-"""The researcher's commands on studies: new, open, on a server, top up. What is long is a job."""
+"""The researcher's commands on studies: open, on a server, top up; new ones are made beside it. What is long is a job."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -15,15 +15,14 @@ from ...jobs import QUEUE, Jobs
 from ..ask_dialog import AskDialog
 from .asks import SERVER_FIELDS, SERVER_LEAD, STUDIES, free_file, named, top_up_fields
 from .exports import StudyExports
+from .making import StudyMaking
 from .people import StudyPeople
-from .sources import Source, shown_sources
+from .sources import Source
 from .watch import StudyWatch
 
 if TYPE_CHECKING:
     from ...main_window import MainWindow
-    from .wizard import Wanted
 
-LOOKING = "Looking at what the window shows …"
 NO_STUDY = "No study is open; make one with Study > New study, or open one with Study > Open study."
 
 
@@ -38,7 +37,7 @@ class StudyDesk(QObject):
         self.jobs.idle.connect(self._refresh_after_stop)
         window.status.follow(self.jobs)
         self.watch = StudyWatch(window.judging, self)
-        self.people, self.exports = StudyPeople(self), StudyExports(self)
+        self.making, self.people, self.exports = StudyMaking(self), StudyPeople(self), StudyExports(self)
         self._stopped, self._wanted = False, ""
         window.session.changed.connect(self._select_wanted)
         self._warned: set[str] = set()
@@ -89,64 +88,11 @@ class StudyDesk(QObject):
 
     def new_study(self) -> None:
         """Ask in six steps what a new study is to be."""
-        from annotation.design.knownanswers import known_by_votes
-
-        from .wizard import StudyWizard
-
-        handle, code = self.handle, self.window.session.state.volunteer
-        own = (lambda: known_by_votes(handle, code)) if handle is not None and self.window.session.state.answers else None
-
-        def read(work: Callable[[Progress], Source], done: Callable[[Source], None], words: str,
-                 failed: Callable[[str, str], None]) -> None:  # fmt: skip
-            self.jobs.start("wizard", work, done, words=words, policy=QUEUE, failed=failed)
-
-        data_folder().mkdir(parents=True, exist_ok=True)
-        wizard = StudyWizard((), read, own, str(data_folder()), self.window)
-        wizard.wanted.connect(lambda wanted: self._create(wizard, wanted))
-        wizard.rejected.connect(lambda: self.jobs.cancel("create"))
-        wizard.open()
-        wizard.results.look(LOOKING)
-        shown = self.sources()
-        self.jobs.start("shown", lambda _: shown(), lambda found: wizard.gone or wizard.results.add_all(found), policy=QUEUE)
-        if handle is not None and handle.volunteer is None:
-            self._estimate(wizard, handle)
+        self.making.new_study()
 
     def sources(self) -> Callable[[], list[Source]]:
-        """What finds (in a thread: there may be many matches) what the pages show now and a study may be made of."""
-        window = self.window
-        states = window.session.state, window.collection.session.state, window.puzzle.session.state
-        return lambda: shown_sources(*states)
-
-    def _estimate(self, wizard: Any, handle: StudyHandle) -> None:
-        """The calculator begins with what the votes of the open study tell."""
-        from annotation.design.planning import estimated
-
-        self.jobs.start("wizard", lambda _: estimated(handle), lambda told: wizard.gone or wizard.sample.show_estimates(told),
-                        policy=QUEUE, failed=lambda *_: None)  # fmt: skip
-
-    def _create(self, wizard: Any, wanted: "Wanted") -> None:
-        from annotation.design.designing import create_design
-
-        notes: list[str] = []
-
-        def work(progress: Progress) -> StudyHandle:
-            runs = [run for source in wanted.sources for run in source.runs]
-            shapes = [shape for source in wanted.sources for shape in source.shapes]
-            return create_design(wanted.place.path, runs, wanted.design, gold=wanted.gold, shapes=shapes,
-                                 tell=notes.append, progress=progress)  # fmt: skip
-
-        def done(handle: StudyHandle) -> None:
-            if not wizard.gone:
-                wizard.accept()
-            self.window.judging.adopt(handle)
-            self.window.status.text.setText(f"The study {study_name(wanted.place.path)} is made and open.")
-            if notes:
-                self.window.say(" ".join(notes))
-
-        def failed(sentence: str, details: str) -> None:
-            wizard.failed(sentence) if not wizard.gone else self.window.say(sentence, details)
-
-        self.jobs.start("create", work, done, words="Making the study", policy=QUEUE, failed=failed)
+        """What finds (in a thread) what the pages show now and a study may be made of."""
+        return self.making.sources()
 
     def open_study(self) -> None:
         """Ask for a study file and open it."""

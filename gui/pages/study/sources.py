@@ -1,22 +1,26 @@
 """What a new study may be made of: what the window shows, files of results, and other studies. No widget here."""
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from annotation.design.designing import Plan
-from annotation.records import Run
+from annotation.design.knownanswers import known_by_picture, known_by_truth, merged
+from annotation.records import Practice, Run
 from annotation.results.matchesfile import run_of_json
 from annotation.results.puzzlejoins import solution_run
-from annotation.results.resultfiles import find_results, find_shapes, read_all
+from annotation.results.resultfiles import ResultFile, find_results, find_shapes, read_all
 from annotation.results.studyruns import runs_of_study, shapes_of_study
+from annotation.storage.blobs import shape_key
 from annotation.study import about, open_study
 from engine.errors import BadInput
 from engine.progress import Progress, share
+from engine.shapes.identity import mesh_id
 
 if TYPE_CHECKING:
     from engine.shapes.result import MatchResult
+    from engine.shapes.segmentation import SegmentedShape
 
     from ...session import State
     from ..collection.state import CollectionState
@@ -25,12 +29,16 @@ if TYPE_CHECKING:
 
 
 class Source(NamedTuple):
-    """Results that may be judged: their name, their runs, the shapes that their items show, and in sentences those not found."""
+    """Results that may be judged: their name, their runs, the shapes that their items show, and in sentences those not found.
+
+    `truth` finds, in a thread, the answers that came along with them.
+    """
 
     title: str
     runs: tuple[Run, ...]
     shapes: tuple[Any, ...] = ()
     missing: tuple[str, ...] = ()
+    truth: Callable[[Progress], dict[str, Practice]] | None = None
 
     @property
     def detail(self) -> str:
@@ -72,17 +80,46 @@ def shown_sources(state: "State", collection: "CollectionState | None", puzzle: 
     found = []
     if state.result is not None and len(state.result.ids):
         names = f"{state.source.mesh.name} – {state.target.mesh.name}"
-        found.append(Source(f"The pair {names}", (_run(state.result, state.set_name),), (state.source, state.target)))
+        found.append(shape_source(f"The pair {names}", (_run(state.result, state.set_name),), (state.source, state.target)))
     if collection is not None and collection.found is not None:
         results = [result for result in collection.found.results if len(result.ids)]
         if results:
             folder = Path(collection.found.shapes[0].file).resolve().parent.name
             runs = tuple(_run(result, folder) for result in results)
-            found.append(Source("The collection that is open", runs, tuple(collection.found.shapes)))
+            found.append(shape_source("The collection that is open", runs, tuple(collection.found.shapes)))
     if puzzle is not None and puzzle.solution is not None and len(puzzle.solution.joins):
         run = solution_run(puzzle.puzzle, puzzle.solution, puzzle.puzzle.name, guided=bool(puzzle.wishes))
-        found.append(Source(f"The puzzle {puzzle.puzzle.name}", (run,)))
+        of, truth, joins = puzzle.puzzle, puzzle.truth, puzzle.solution.joins
+        tell = None if truth is None else lambda _: known_by_picture(of, truth, joins)
+        found.append(Source(f"The puzzle {of.name}", (run,), truth=tell))
     return found
+
+
+def shape_source(title: str, runs: tuple[Run, ...], shapes: tuple["SegmentedShape", ...]) -> Source:
+    """Results of shapes that are at hand."""
+
+    def tell(progress: Progress) -> dict[str, Practice]:
+        by_mesh = {mesh_id(shape.mesh): shape for shape in shapes if shape.file}
+        sides = [side for run in runs for side in (run.source, run.target)]
+        by_key = {shape_key(side): by_mesh[side["sha256"]] for side in sides if side["sha256"] in by_mesh}
+        files = [ResultFile(Path(run.set_name or title), run.set_name) for run in runs]
+        return known_by_truth(files, runs, by_key, progress=progress)
+
+    return Source(title, runs, shapes, truth=tell)
+
+
+def truth_of(sources: Sequence[Source], progress: Progress) -> dict[str, Practice]:
+    """The answers that came along with all of these results; where two differ, the first."""
+    told = [source.truth(share(progress, k / len(sources), (k + 1) / len(sources))) for k, source in enumerate(sources) if source.truth]
+    return merged(*told)
+
+
+def truth_text(known: Mapping[str, Practice]) -> str:
+    """'40 matches are known: 31 correct, 9 wrong.'"""
+    answers = Counter(one.answer for one in known.values())
+    if not known:
+        return "No truth came along with these results: no .sem file lies beside their meshes, and no puzzle was cut from a picture."
+    return f"{plural(len(known), 'match is', 'matches are')} known: {answers['correct']} correct, {answers['wrong']} wrong."
 
 
 def _run(result: "MatchResult", set_name: str) -> Run:
@@ -99,7 +136,8 @@ def read_source(path: Path, progress: Progress) -> Source:
         raise BadInput(f"{path} holds results without a single match; choose others.")
     found = find_shapes(files, runs, progress=share(progress, 0.5, 1.0))
     name = path.name if path.is_dir() else f"{path.parent.name}/{path.name}"
-    return Source(name, runs, tuple(found.shapes.values()), found.missing)
+    return Source(name, runs, tuple(found.shapes.values()), found.missing,
+                  lambda step: known_by_truth(files, runs, found.shapes, progress=step))  # fmt: skip
 
 
 def study_source(path: Path, progress: Progress) -> Source:

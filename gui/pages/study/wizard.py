@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
@@ -19,17 +19,14 @@ from PySide6.QtWidgets import (
 
 from annotation.design.designing import Design, Plan, draw_design
 from annotation.records import Practice
-from engine.errors import ConcordError
+from engine.errors import BadInput, ConcordError
 from engine.parameters import checked
 from engine.progress import Progress
 
 from .calculator import SampleStep, expected_of
-from .sources import Source, counts_text, plan_text
+from .sources import Source, counts_text, plan_text, truth_of, truth_text
 from .wizard_results import ResultsStep, problem
 from .wizard_steps import ChecksStep, FormStep, Place, PlaceStep
-
-if TYPE_CHECKING:
-    pass
 
 STEPS = (
     ("results", "Results", "What is to be judged?",
@@ -37,7 +34,7 @@ STEPS = (
     ("question", "Question", "What are volunteers asked?",
      "One sentence, answered by correct or wrong. The guideline is one key away while they vote."),
     ("votes", "Votes", "How many look at each match?",
-     "Three volunteers with a third only where two differ settle as much as three always, with a quarter fewer votes."),
+     "Two votes, and a third only where they differ, settle as much as three always do, with a quarter fewer votes."),
     ("sample", "Sample", "How many matches are needed?",
      "All of them, or a sample in proportion from every pair. Beside it, what the number buys."),
     ("checks", "Checks", "Are some answers known?",
@@ -75,6 +72,7 @@ class StudyWizard(QDialog):
         self.known: dict[str, Practice] = {}
         self.plan: Plan | None = None
         self._counted, self._planned, self._sources = None, None, ()
+        self._truth: tuple[Any, dict[str, Practice] | None] = (None, None)  # of which results; nothing while it is read
         self.results = ResultsStep(sources, self._read, folder, self)
         self.question = FormStep(("question", "guideline", "unsure"), self)
         self.votes = FormStep(("votes", "adaptive", "overlap"), self)
@@ -232,6 +230,12 @@ class StudyWizard(QDialog):
         from annotation.design.knownanswers import read_known
 
         way = self.checks.source.choice
+        if way == "truth":
+            if self._truth[1] is None:
+                raise BadInput("The truth is still being read; go on when it is there.")
+            if not self._truth[1]:
+                raise BadInput("No truth came along with these results; choose another source of answers, or none.")
+            return self._truth[1]
         if way == "csv":
             return read_known(Path(self.checks.path.line.text().strip() or "answers.csv"))
         return self.own() if way == "own" and self.own is not None else {}
@@ -246,8 +250,31 @@ class StudyWizard(QDialog):
         values = self.votes.values()
         self.votes.form.rows["overlap"].setEnabled(values["adaptive"] and values["votes"] > 2)
         self.votes.form.rows["adaptive"].setEnabled(values["votes"] > 2)
+        if self.steps[self.number] is self.checks and self.checks.source.choice == "truth":
+            self._read_truth()
         if self.number >= 3:
             self._plan()
+
+    def _read_truth(self) -> None:
+        """Read the answers that came along with what is ticked, unless that was done."""
+        key, sources = self._counted, self._sources
+        if self._truth[0] == key:
+            return
+        self._truth = key, None
+        self.checks.told.setText("Reading the truth …")
+
+        def done(known: dict[str, Practice]) -> None:
+            if not self.gone and self._truth[0] == key:
+                self._truth = key, known
+                self.checks.told.setText(truth_text(known))
+                self._say("")
+
+        def failed(sentence: str, _: str) -> None:
+            if not self.gone and self._truth[0] == key:
+                self._truth = None, None
+                self.checks.told.setText(sentence)
+
+        self.run(lambda progress: truth_of(sources, progress), done, "Reading the truth", failed)
 
     def _plan(self) -> None:
         """Draw what would be asked, and say what that costs."""

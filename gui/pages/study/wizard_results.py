@@ -55,6 +55,7 @@ class ResultsStep(QWidget):
         column.addWidget(self.empty)
         column.addWidget(self.table, 1)
         column.addLayout(row)
+        column.addStretch(0)  # takes the room of the table while there is none
         self.add_all(sources)
 
     def add_all(self, sources: Sequence[Source]) -> None:

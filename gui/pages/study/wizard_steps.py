@@ -1,5 +1,6 @@
 """The steps of a new study after its results: question, votes, sample, checks, and where it is kept."""
 
+import os
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,10 +26,11 @@ CAPTIONS = {
     "adaptive": "Ask no further once a majority is sure", "overlap": "Share that gets all votes anyway", "most": "Most matches asked",
     "seed": "Seed", "gold": "Gold matches", "gold_least": "But at least", "practice": "Practice matches", "name": "Name",
 }  # fmt: skip
-EVERYTHING_HELP = "0 for one vote of everybody, however many vote."
+LONGEST = 200  # bytes of a file's name, with room for the endings that stand beside it
 WAYS = (("file", "One file"), ("folder", "A project folder, with room for results and backups"),
         ("server", "A PostgreSQL server, for people who vote at the same time"))  # fmt: skip
 KNOWN = (("none", "No answers are known"), ("csv", "Answers in a CSV file (item, answer, reason)"),
+         ("truth", "What came along: classes of faces (.sem files) beside the meshes, pictures of cut puzzles"),
          ("own", "My own votes in the study that is open now"))  # fmt: skip
 
 
@@ -119,6 +121,8 @@ class ChecksStep(QWidget):
         self.path = PathLine("Choose…", self)
         self.path.line.setPlaceholderText("answers.csv")
         self.path.button.clicked.connect(self._ask)
+        self.told = QLabel("", self, wordWrap=True)
+        self.told.setObjectName("summary")
         self.form = DesignForm(Design, ("gold", "gold_least", "practice"), self, CAPTIONS)
         for signal in (self.source.changed, self.path.changed):
             signal.connect(self._tell)
@@ -126,7 +130,7 @@ class ChecksStep(QWidget):
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(16)
-        for widget in (self.source, self.path, self.form):
+        for widget in (self.source, self.path, self.told, self.form):
             column.addWidget(widget)
         column.addStretch(1)
         self._tell()
@@ -138,6 +142,7 @@ class ChecksStep(QWidget):
 
     def _tell(self) -> None:
         self.path.setVisible(self.source.choice == "csv")
+        self.told.setVisible(self.source.choice == "truth")
         self.form.setVisible(self.source.choice != "none")
         self.path.show_error("")
         self.changed.emit()
@@ -161,8 +166,10 @@ class Place(NamedTuple):
         if self.way == "server":
             return ""
         path = Path(self.path)
-        if path.exists():
+        if os.path.exists(path):
             return f"{path} exists already; choose another name."
+        if len(os.fsencode(path.name)) > LONGEST:
+            return "This name is too long for a file; choose a shorter one."
         return "" if path.absolute().parent.is_dir() else f"There is no folder {path.absolute().parent}; choose another one."
 
 
@@ -238,11 +245,11 @@ class PlaceStep(QWidget):
 
 def suggested(folder: str, name: str, way: str) -> str:
     """A path that is free, by the name of the study."""
-    stem = "".join(c if c.isalnum() or c in " -_" else "-" for c in name).strip() or "study"
+    stem = "".join(c if c.isalnum() or c in " -_" else "-" for c in name).strip()[:60].strip() or "study"
     ending = ".concord" if way == "folder" else ".db"
     for number in range(1, 1000):
         path = Path(folder) / (stem + (f" {number}" if number > 1 else "") + ending)
-        if not path.exists():
+        if not os.path.exists(path):
             return str(path)
     return ""
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from .shapes.segmentation import SegmentedShape
     from .shapes.wishes import Wishes
 
-    Judged = Callable[[Path, SegmentedShape, SegmentedShape], Wishes]
+    Judged = Callable[[str, SegmentedShape, SegmentedShape], Wishes]
 
 
 def no_pictures(
@@ -42,9 +42,9 @@ def no_pictures(
     return []
 
 
-def no_studies(path: Path, source: "SegmentedShape", target: "SegmentedShape") -> "Wishes":
+def no_studies(place: str, source: "SegmentedShape", target: "SegmentedShape") -> "Wishes":
     """The engine alone knows no studies."""
-    raise BadInput(f"{path} is not read here: votes need `concord match --votes`, or a file of `concord study wishes`.")
+    raise BadInput("Votes are not read here: that needs `concord match --votes`, or a file of `concord study wishes`.")
 
 
 Source = Annotated[Path, Parameter(help="First mesh: OFF, OBJ, PLY, STL or GLB.")]
@@ -86,7 +86,7 @@ def build_app(
         set: Words = None,
         parameters: Path | None = None,
         wishes: Path | None = None,
-        votes: Path | None = None,
+        votes: str | None = None,
         segments: int | None = None,
         segmentation: str | None = None,
     ) -> None:
@@ -108,7 +108,8 @@ def build_app(
         wishes
             A file of wishes: matches that are pinned come in any case, forbidden ones do not.
         votes
-            A study file: what the majority calls correct is pinned, what it calls wrong forbidden. `--wishes` still win.
+            A study (a file, a folder or postgresql://...): what the majority calls correct is pinned, what it calls wrong
+            forbidden. `--wishes` still win.
         segments
             Into how many segments a mesh without labels is cut (14 unless its components look like parts).
         segmentation
@@ -173,7 +174,7 @@ def make_shapes(
 
 
 def asked_wishes(
-    file: Path | None, study: Path | None, source: "SegmentedShape", target: "SegmentedShape", judged: "Judged"
+    file: Path | None, study: str | None, source: "SegmentedShape", target: "SegmentedShape", judged: "Judged"
 ) -> "Wishes":
     """The wishes of a study's votes and those of a file, which take the place of what they contradict."""
     from .shapes.wishes import NO_WISHES

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .evaluate_commands import Outcome
 
 Words = Annotated[list[str] | None, Parameter(negative="", consume_multiple=True)]
-VoteReader = Callable[[Path], tuple[list[SetPrecision], Table] | None]
+VoteReader = Callable[[str], tuple[list[SetPrecision], Table] | None]
 METHODS = {"3.1": ("thesis-rigid", "shed"), "3.2": ("thesis-nonrigid", "shed")}
 _BESIDE = "and beside it the modern table with intervals and chance."
 FROM_TRUTH = ("A match is right where the classes of its two sides overlap by at least half (the lenient rule), for which the "
@@ -25,10 +25,10 @@ FROM_TRUTH = ("A match is right where the classes of its two sides overlap by at
 FROM_VOTES = "A match is right or wrong by the majority of the votes; those undecided are in no precision."
 
 
-def no_votes(path: Path) -> tuple[list[SetPrecision], Table] | None:
+def no_votes(place: str) -> tuple[list[SetPrecision], Table] | None:
     """The engine alone knows no studies."""
-    if path.is_file():
-        raise BadInput(f"{path} is a file; name a folder of labelled meshes (studies are read by `concord tables`).")
+    if Path(place).is_file():
+        raise BadInput(f"{place} is a file; name a folder of labelled meshes (studies are read by `concord tables`).")
     return None
 
 
@@ -55,7 +55,7 @@ def _command(number: str, voted: VoteReader) -> Callable[..., None]:
         ----------
         source
             A folder of labelled meshes, each sub-folder a set, or the word generated: see `concord evaluate`. Or a
-            study, whose votes are counted.
+            study (a file, a folder or postgresql://...), whose votes are counted.
         out
             Folder for the table as .md, .csv, .tex and .html; made if it is missing.
         methods
@@ -84,13 +84,13 @@ def make(
     voted: VoteReader,
 ) -> None:
     """Make one table of a study's votes or of a collection's truth, and write it in four forms."""
-    found = voted(Path(source))
+    found = voted(source)
     if found is not None:
         if methods or layers or settings or asked != EVERYTHING:
-            raise BadParameter(f"{source} is a study: its results are there already; leave out --methods, --layers, --set and "
+            raise BadParameter("A study has its results already; leave out --methods, --layers, --set and "
                                "the options that choose pairs.")  # fmt: skip
         with results_folder(out) as folder:
-            _write(folder, number, found[0], [found[1]], f"{Path(source).name}. {FROM_VOTES}", [])
+            _write(folder, number, found[0], [found[1]], f"{Path(source.partition('?')[0]).name}. {FROM_VOTES}", [])
         return
     from .evaluate_report import all_notes, judged_rows, lead_of
     from .evaluation import sheets

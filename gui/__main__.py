@@ -92,11 +92,11 @@ def puzzle_path(path: Path) -> Path:
     return path
 
 
-def judged_wishes(path: Path, source: "SegmentedShape", target: "SegmentedShape") -> "Wishes":
+def judged_wishes(place: str, source: "SegmentedShape", target: "SegmentedShape") -> "Wishes":
     """What the majority of a study's votes says of a pair, as wishes; prints what that is."""
     from annotation.results.votedwishes import read_voted_wishes
 
-    found = read_voted_wishes(path, source, target)
+    found = read_voted_wishes(place, source, target)
     print(found.sentence())
     return found.wishes
 

@@ -8,27 +8,26 @@ from engine.evaluation.tables import Table
 from engine.evaluation.thesis_tables import SetPrecision
 
 from ..storage.payloads import read_payload
-from ..study import open_study
+from ..storage.places import study_file
+from ..study import is_url, open_study, shown_place
 from .precision import ALL_SETS, PrecisionRow, Proposed, ballots, proposed, proposed_later, sample, tabulate
 from .tabletext import as_table, row_name
 
-NAME_IN_FOLDER = "study.db"
 
+def voted_precision(place: Path | str) -> tuple[list[SetPrecision], Table] | None:
+    """Precision by majority of each method and set of shapes, and the modern table; None where `place` is no study.
 
-def voted_precision(path: Path) -> tuple[list[SetPrecision], Table] | None:
-    """Precision by majority of each method and set of shapes, and the modern table; None where `path` is no study.
-
-    A study is a file, or a folder that holds a study.db. Raises `BadInput` where it cannot be read or holds no shapes.
+    A study is a file, a folder that holds a study.db, or the address of one on a server. Raises `BadInput` where it
+    cannot be read or holds no shapes.
     """
-    file = path / NAME_IN_FOLDER if path.is_dir() else path
-    if not file.is_file():
+    if not is_url(place) and not study_file(place).is_file():
         return None
-    with open_study(file, backup=False, writable=False) as handle:
+    with open_study(place, backup=False, writable=False) as handle:
         results, votes, weights, later = proposed(handle), ballots(handle), sample(handle), proposed_later(handle)
     layers = _layers(results)
     rows = [row for row in tabulate(results, votes, weights, later=later) if row.set_name == ALL_SETS or layers.get(row[:3])]
     if not rows:
-        raise BadInput(f"The study {file} holds no results of shapes; add some with `concord study add`.")
+        raise BadInput(f"The study {shown_place(place)} holds no results of shapes; add some with `concord study add`.")
     return set_precisions(results, rows), as_table(rows, votes)
 
 

@@ -7,6 +7,7 @@ from judging_world import CANDLE, LAMP, ONE_TO_ONE, VASE, identity, result, stud
 
 from annotation import study
 from annotation.findings.thesistables import voted_precision
+from annotation.server.publishing import publish
 from engine.errors import BadInput
 from engine.evaluation.averages import thesis_average
 from gui.__main__ import main
@@ -59,3 +60,23 @@ def test_a_study_without_shapes_is_refused(tmp_path):
     (tmp_path / "text").write_text("not a study")
     with pytest.raises(BadInput):
         voted_precision(tmp_path / "text")
+
+
+def test_a_study_on_a_server_is_counted_like_its_file(file, database, tmp_path, capsys):
+    with study.open_study(file) as handle:
+        publish(handle, database)
+    assert main(["tables", "3.1", str(file), "--out", str(tmp_path / "file")]) == 0
+    assert main(["tables", "3.1", database, "--out", str(tmp_path / "server")]) == 0
+    assert (tmp_path / "file" / "table-3.1.csv").read_bytes() == (tmp_path / "server" / "table-3.1.csv").read_bytes()
+    assert main(["tables", "3.1", database, "--methods", "shed", "--out", str(tmp_path / "none")]) == 2
+    said = "".join(capsys.readouterr()) + (tmp_path / "server" / "table-3.1.md").read_text()
+    assert "leave out --methods" in said
+    assert "of-the-owner" not in said
+
+
+def test_a_study_out_of_reach_is_one_sentence(tmp_path, capsys):
+    assert main(["tables", "3.1", "postgresql://me:secret@127.0.0.1:9/lamps", "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert "cannot be reached" in said
+    assert "secret" not in said
+    assert not (tmp_path / "out").exists()

@@ -96,7 +96,7 @@ def _questions(voting: "VolunteerWindow", press: Callable, show: Callable) -> No
                 press(Qt.Key.Key_G, Qt.Key.Key_C)
                 show("comment")
                 press(Qt.Key.Key_Escape)
-                voting.desk.failed.emit("The study cannot take the vote because the disk is full; make room and try again.")
+                voting.desk.tell("The study cannot take the vote because the disk is full; make room and try again.", "")
                 show("trouble")
         seen.add(kind)
         press(Qt.Key.Key_J)

@@ -14,9 +14,11 @@ from annotation.voting.asking import own_code
 from .jobs import QUEUE, Jobs, show_unexpected
 from .pages.style import window_style
 from .pages.voting.desk import VotingDesk
+from .pages.voting.faults import unknown_trouble
 from .pages.voting.notice import Choice
-from .pages.voting.screen import ENTER, NEXT, VotingScreen
-from .pages.voting.words import NO_CODE, unknown_trouble
+from .pages.voting.sayings import ENTER, NEXT
+from .pages.voting.screen import VotingScreen
+from .pages.voting.words import NO_CODE
 from .palette import apply_theme, system_is_dark, theme
 
 SMALLEST = (720, 520)
@@ -39,10 +41,11 @@ class VolunteerWindow(QMainWindow):
         self.resize(1280, 760)
         self.setAcceptDrops(True)
         self.screen.left.connect(self.close)
+        self.screen.given_up.connect(self._give_up)
         self.desk.refused.connect(self._ask_code)
-        self.desk.saved.connect(lambda _: self.close() if self._closing else None)
+        self.desk.saved.connect(self._saved)
         self.desk.failed.connect(lambda _: setattr(self, "_closing", False))
-        self._restore_hook = show_unexpected(lambda sentence, _: self.desk.failed.emit(unknown_trouble(sentence)))
+        self._restore_hook = show_unexpected(self.desk.tell)
         hints = QApplication.instance().styleHints()
         self._follow_system = dark is None
         hints.colorSchemeChanged.connect(self._theme_changed)
@@ -138,6 +141,15 @@ class VolunteerWindow(QMainWindow):
             self.where = paths[0]
             QTimer.singleShot(0, self.begin)
 
+    def _saved(self, _: str) -> None:
+        self._leaving = False
+        if self._closing:
+            self.close()
+
+    def _give_up(self) -> None:
+        self._leaving = True
+        self.close()
+
     def closeEvent(self, event: QCloseEvent) -> None:
         """Let the last answer reach the disk; if that fails or takes long, go only when asked once more."""
         if self.desk.saving and not self._closing:
@@ -146,7 +158,7 @@ class VolunteerWindow(QMainWindow):
             return
         if self.desk.unsaved and not self.desk.saving and not self._leaving:
             self._leaving = True
-            self.desk.failed.emit("Your last answer is not saved yet; try again, or close once more to leave without it.")
+            self.screen.leave()
             event.ignore()
             return
         self.opener.close()

@@ -24,7 +24,7 @@ from .answering import (
 )
 from .volunteers import is_strange
 
-_current = schema.current_vote.c
+_current, _events = schema.current_vote.c, schema.event.c
 
 
 class Opening(NamedTuple):
@@ -68,6 +68,14 @@ def own_answer(handle: StudyHandle, code: str, one: OpenItem) -> str:
     mine = (_current.item_id == one.item_id, _current.volunteer == code, _current.round == one.round)
     with handle.reading() as connection:
         return connection.scalar(select(_current.answer).where(*mine)) or ""
+
+
+def last_comment(handle: StudyHandle, code: str, one: OpenItem) -> str:
+    """What this volunteer wrote with the newest answer to an item, be it taken back or not."""
+    mine = (_events.kind == "vote", _events.item_id == one.item_id, _events.volunteer == code, _events.round == one.round)
+    with handle.reading() as connection:
+        newest = select(_events.comment).where(*mine).order_by(_events.clock.desc()).limit(1)
+        return connection.scalar(newest) or ""
 
 
 class Needless(NamedTuple):

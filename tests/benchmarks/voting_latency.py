@@ -124,7 +124,8 @@ def vote(path: Path, votes: int, think: float, size: tuple[int, int]) -> tuple[l
         while not ready():
             app.processEvents()
             if time.perf_counter() > end:
-                raise SystemExit(f"Nothing came: {window.screen.trouble.words.text() or window.screen.notice.text.text()}")
+                said = window.screen.trouble.words.text() or window.screen.notice.text.text()
+                raise SystemExit(f"Nothing came: {said}\n{window.desk.details}")
             time.sleep(0.0005)
 
     wait(lambda: window.screen.notice.heading.text() == "Welcome")

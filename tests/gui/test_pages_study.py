@@ -134,7 +134,7 @@ def test_a_study_s_own_question_is_asked_of_joins_too(qtbot, tmp_path, page):
 def test_keys_work_without_menus(qtbot, page):
     first = page.question.asked.item_id
     qtbot.keyClick(page.screen, Qt.Key.Key_G)
-    assert "Guideline" in page.screen.notice.heading.text()
+    assert page.screen.notice.heading.text() == "Help"
     qtbot.keyClick(page.screen, Qt.Key.Key_Escape)
     qtbot.keyClick(page.screen, Qt.Key.Key_J)
     settle(qtbot, page.desk)

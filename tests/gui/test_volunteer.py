@@ -30,7 +30,7 @@ def windows(qtbot):
         window.begin()
         made.append(window)
         if start:
-            qtbot.waitUntil(lambda: window.screen.notice.heading.text() == "Welcome", timeout=20_000)
+            qtbot.waitUntil(lambda: window.screen.notice.heading.text().startswith("Welcome"), timeout=20_000)
             press(qtbot, window, K.Key_Return)
         return window
 
@@ -65,7 +65,7 @@ def current(path, code="anna"):
 def test_practice_comes_first_with_its_reasons_and_counts_in_no_table(qtbot, windows, path, make_bar):
     ids = make_study(path, make_bar)
     window = windows(path)
-    for key, words in ((K.Key_J, "Right!"), (K.Key_F, "Not quite: this one is correct.")):
+    for key, words in ((K.Key_J, "Right!"), (K.Key_F, "Not quite: you said Wrong, the right answer is Correct.")):
         assert window.desk.question.asked.item_id in ids["practice"]
         assert "practice" in window.screen.small.counter.text()
         press(qtbot, window, key)
@@ -138,7 +138,10 @@ def test_another_day_goes_on_where_it_stopped(qtbot, windows, path, make_bar):
     assert "Everything is saved" in window.screen.notice.text.text()
     press(qtbot, window, K.Key_Escape)
     assert not window.isVisible()
-    again = windows(path)
+    again = windows(path, start=False)
+    qtbot.waitUntil(lambda: heading(again) == "Welcome back", timeout=20_000)
+    assert again.screen.notice.text.text() == "You have answered 2 of 9; you go on where you stopped."
+    press(qtbot, again, K.Key_Return)
     assert again.desk.question.asked == following
     assert again.screen.small.counter.text().startswith("2 of 9, about")
 
@@ -187,9 +190,14 @@ def test_a_vote_that_cannot_be_saved_waits_and_is_not_lost(qtbot, windows, path,
     assert window.screen.small.saved.text() == "not saved yet"
     window.close()
     assert window.isVisible()  # said once before going
+    assert heading(window) == "Your last answer is not saved yet"
+    press(qtbot, window, K.Key_Return)  # in vain
+    assert window.screen.trouble.isVisible()
+    press(qtbot, window, K.Key_Escape)
+    assert heading(window) == "Your last answer is not saved yet"
+    assert "The disk is full" in window.screen.notice.trouble.text()
     monkeypatch.setattr(voting_desk.study, "record_vote", record)
-    qtbot.mouseClick(window.screen.trouble.button, Qt.MouseButton.LeftButton)
-    settle(qtbot, window.desk)
+    press(qtbot, window, K.Key_Return)
     assert current(path) == {(question.asked.item_id, 1): "correct"}
     assert not window.screen.trouble.isVisible()
     assert window.desk.question is not question
@@ -223,7 +231,12 @@ def test_an_unknown_fault_is_a_plain_sentence(qtbot, windows, path, make_bar, mo
     monkeypatch.setattr(voting_desk.study, "record_vote", broken)
     press(qtbot, window, K.Key_J)
     assert "secret" not in window.screen.trouble.words.text()
-    assert window.screen.trouble.words.text().startswith("The study cannot be reached")
+    assert window.screen.trouble.words.text().startswith("Something went wrong here;")
+    qtbot.mouseClick(window.screen.trouble.details, Qt.MouseButton.LeftButton)
+    copied = QApplication.clipboard().text()
+    assert "RuntimeError" in copied
+    assert "in broken" in copied
+    assert "secret" not in copied
     monkeypatch.undo()
     press(qtbot, window, K.Key_F)  # another answer instead is as good
     assert list(current(path).values()) == ["wrong"]
@@ -374,3 +387,93 @@ def test_it_fits_small_screens(windows, path, make_bar, qtbot):
                    child.parentWidget().mapTo(window.screen.page, child.parentWidget().rect().topLeft())
                    if child.parentWidget() is not window.screen.page else child.parentWidget().rect().topLeft()))]  # fmt: skip
     assert outside == []
+
+
+def test_an_answer_is_given_up_only_where_that_is_said(qtbot, windows, path, make_bar, monkeypatch):
+    make_study(path, make_bar, practice=0, gold=0)
+    window = windows(path)
+
+    def full(*_args, **_kwargs):
+        raise BadInput("The disk is full; make room and try again.")
+
+    monkeypatch.setattr(voting_desk.study, "record_vote", full)
+    press(qtbot, window, K.Key_J, K.Key_Escape)
+    assert "saved." not in window.screen.notice.text.text()
+    press(qtbot, window, K.Key_Escape)  # Leave without it
+    assert not window.isVisible()
+    assert current(path) == {}
+
+
+def test_a_comment_comes_back_with_an_answer_that_is_taken_back(qtbot, windows, path, make_bar):
+    make_study(path, make_bar, practice=0, gold=0)
+    window = windows(path)
+    press(qtbot, window, K.Key_C)
+    qtbot.keyClicks(window.screen.comment.line, "odd cut")
+    qtbot.keyClick(window.screen.comment.line, K.Key_Return)
+    assert "✓" in window.screen.small.tools["comment"].text()
+    press(qtbot, window, K.Key_J)
+    assert "✓" not in window.screen.small.tools["comment"].text()
+    press(qtbot, window, K.Key_Backspace)
+    assert "✓" in window.screen.small.tools["comment"].text()
+    press(qtbot, window, K.Key_F)
+    with study.open_study(path, backup=False) as handle:
+        assert [(vote.answer, vote.comment) for vote in study.current_votes(handle, volunteer="anna")] == [("wrong", "odd cut")]
+
+
+def test_where_nothing_is_to_be_done_that_is_said_at_once(qtbot, windows, path, make_bar):
+    study.create_study(path, name="Empty", seed="1").close()
+    window = windows(path, start=False)
+    qtbot.waitUntil(lambda: heading(window) == "Nothing to do", timeout=20_000)
+    assert [button.text() for button in window.screen.notice.buttons] == ["Close\nEnter"]
+    press(qtbot, window, K.Key_Return)
+    assert not window.isVisible()
+
+
+def test_whoever_is_through_is_thanked_again(qtbot, windows, path, make_bar):
+    make_study(path, make_bar, practice=0, gold=0)
+    window = windows(path)
+    press(qtbot, window, *[K.Key_J] * 10)
+    window.close()
+    again = windows(path, start=False)
+    qtbot.waitUntil(lambda: heading(again) == "All done, thank you!", timeout=20_000)
+    press(qtbot, again, K.Key_Backspace)
+    assert again.screen.asking
+
+
+def test_a_fault_with_one_match_stops_nobody(qtbot, windows, path, make_bar, monkeypatch):
+    make_study(path, make_bar, practice=0, gold=0, joins=2)
+
+    def broken(*_args):
+        raise RuntimeError("out of textures")
+
+    monkeypatch.setattr("gui.pages.voting.questions.ready_pair", broken)
+    window = windows(path)
+    press(qtbot, window, K.Key_J, K.Key_J)
+    assert heading(window) == "All done, thank you!"
+    assert "8 matches cannot be shown here." in window.screen.notice.text.text()
+
+
+def test_slow_saving_is_said(qtbot, windows, path, make_bar, monkeypatch):
+    make_study(path, make_bar, practice=0, gold=0)
+    window = windows(path)
+    record, may = study.record_vote, threading.Event()
+
+    def slow(*args, **kwargs):
+        may.wait(10)
+        return record(*args, **kwargs)
+
+    monkeypatch.setattr(voting_desk.study, "record_vote", slow)
+    qtbot.keyClick(window.screen, K.Key_J)
+    qtbot.waitUntil(lambda: window.screen.small.saved.text() == "saving …", timeout=10_000)
+    may.set()
+    settle(qtbot, window.desk)
+    assert window.screen.small.saved.text() == "saved ✓"
+
+
+def test_after_practice_only_what_works_is_offered(qtbot, windows, path, make_bar):
+    make_study(path, make_bar, practice=1, gold=0)
+    window = windows(path)
+    press(qtbot, window, K.Key_J)
+    assert [name for name, button in window.screen.small.tools.items() if button.isVisible()] == ["undo", "reset", "turn", "guide"]
+    press(qtbot, window, K.Key_Return)
+    assert window.screen.small.tools["skip"].isVisible()

@@ -1,9 +1,10 @@
 """The order of questions in one window, by hand."""
 
 from annotation.records import OpenItem, Practice, VotingProgress
+from gui.pages.voting.faults import fault_report, unknown_trouble
 from gui.pages.voting.queue import Queue
 from gui.pages.voting.watch import LONGEST_PAUSE, Watch
-from gui.pages.voting.words import done_text, feedback, guideline_html, progress_text, unknown_trouble, welcome_text
+from gui.pages.voting.words import done_text, feedback, guideline_html, progress_text, welcome_text
 
 P, A, B, C = (OpenItem(name, 0 if name == "p" else 1) for name in "pabc")
 ALL = Queue(open=(P, A, B, C))
@@ -95,4 +96,16 @@ def test_feedback_says_what_is_right_and_why():
     known = Practice("wrong", "One is a leg.")
     assert feedback("wrong", known).right
     told = feedback("unsure", known)
-    assert (told.right, told.heading, told.reason) == (False, "Not quite: this one is wrong.", "One is a leg.")
+    assert (told.right, told.heading, told.reason) == (False, "Not quite: you said Unsure, the right answer is Wrong.", "One is a leg.")
+
+
+def test_a_fault_is_reported_by_its_place_and_not_by_what_it_quotes():
+    details = (
+        'Traceback (most recent call last):\n  File "/home/eva/concord/gui/jobs.py", line 7, in _run\n    work("zq")\n'
+        "sqlite3.IntegrityError: UNIQUE constraint failed: event.uuid\n\nDuring handling of …\n"
+        "sqlalchemy.exc.IntegrityError: (x) zq-method\n[SQL: SELECT zq]\nzq-method\n"
+    )
+    assert fault_report(details).splitlines()[1:] == [
+        "  concord/gui/jobs.py:7 in _run", "sqlite3.IntegrityError: UNIQUE constraint failed: event.uuid",
+        "sqlalchemy.exc.IntegrityError",
+    ]  # fmt: skip

@@ -116,24 +116,27 @@ class TroubleBar(QWidget):
     """One sentence about what went wrong, and a way to try again."""
 
     again = Signal()
+    copied = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.setObjectName("trouble-bar")
         self.words = QLabel("", self, wordWrap=True, textFormat=Qt.TextFormat.PlainText)
-        self.button = QPushButton("Try again", self)
-        self.button.setMinimumHeight(36)
-        self.button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.button.clicked.connect(self.again)
+        self.button, self.details = QPushButton("Try again", self), QPushButton("Copy details", self)
         row = _row(self, 16)
         row.setContentsMargins(12, 8, 12, 8)
         row.addWidget(self.words, 1)
-        row.addWidget(self.button)
+        for button, signal in ((self.details, self.copied), (self.button, self.again)):
+            button.setMinimumHeight(36)
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            button.clicked.connect(signal)
+            row.addWidget(button)
 
-    def show_sentence(self, sentence: str, colours: Theme) -> None:
-        """Say what is wrong."""
+    def show_sentence(self, sentence: str, colours: Theme, *, details: bool = False) -> None:
+        """Say what is wrong; `details` that there is more to be copied for whoever looks into it."""
         self.words.setText(sentence)
+        self.details.setVisible(details)
         self.restyle(colours)
         self.show()
 
@@ -164,10 +167,16 @@ class SmallPrint(QWidget):
             self.tools[name] = button
         self.row.addWidget(self.saved, 1, Qt.AlignmentFlag.AlignRight)
 
-    def show_for(self, *, shapes: bool) -> None:
-        """Offer what can be done with what is shown: only shapes can be turned."""
+    def show_for(self, *, shapes: bool, asking: bool = True) -> None:
+        """Offer what can be done with what is shown: only shapes can be turned, only a question left or commented on."""
         for name in ("reset", "turn"):
             self.tools[name].setVisible(shapes)
+        for name in ("skip", "comment"):
+            self.tools[name].setVisible(asking)
+
+    def mark_comment(self, written: bool) -> None:
+        """Show that a comment will go with the answer."""
+        self.tools["comment"].setText("Comment ✓ (C)" if written else "Comment (C)")
 
 
 def screen_style(colours: Theme) -> str:
@@ -177,13 +186,14 @@ def screen_style(colours: Theme) -> str:
     QLabel#notice-heading {{ font-size: 26px; font-weight: 600; }}
     QLabel#notice-text {{ font-size: 16px; }}
     QLabel#trouble {{ color: {colours.wrong}; font-size: 15px; }}
-    QLabel#soft {{ color: {colours.soft_ink}; }}
+    QLabel#soft {{ color: {colours.soft_ink}; font-size: 14px; }}
     QPushButton#primary {{ background: {colours.accent}; color: {colours.on_accent}; border-color: {colours.accent};
                            font-size: 16px; }}
     QPushButton#primary:focus {{ border: 3px solid {colours.ink}; }}
     QPushButton#secondary {{ font-size: 15px; }}
     QPushButton#secondary:focus {{ border: 2px solid {colours.accent}; }}
-    QPushButton#plain {{ border: 1px solid transparent; background: transparent; color: {colours.soft_ink}; padding: 2px 6px; }}
+    QPushButton#plain {{ border: 1px solid transparent; background: transparent; color: {colours.soft_ink}; padding: 2px 6px;
+                         font-size: 14px; }}
     QPushButton#plain:hover {{ color: {colours.ink}; text-decoration: underline; }}
     QPushButton#plain:focus {{ border-color: {colours.accent}; color: {colours.ink}; }}
     QLineEdit {{ font-size: 15px; padding: 4px 8px; }}

@@ -8,13 +8,14 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from annotation import study
 from annotation.records import OpenItem, VotingProgress
 from annotation.storage.handle import StudyHandle
-from annotation.voting.asking import Needless, Opening, needless_in_front, opening, own_answer
+from annotation.voting.asking import Needless, Opening, last_comment, needless_in_front, opening, own_answer
 from engine.shapes.segmentation import SegmentedShape
 
 from ...jobs import QUEUE, Jobs
+from .faults import fault_report, unforeseen, unknown_trouble
 from .questions import JoinQuestion, Question, Shapes, Unshowable, keep, load
 from .queue import Queue
-from .words import Feedback, feedback, unknown_trouble
+from .words import Feedback, feedback
 
 AHEAD, CHECKED = 2, 16  # items made ready before they are wanted, and those asked whether they are answered elsewhere
 READ_AGAIN = 20_000  # ms between two looks at the study
@@ -38,8 +39,8 @@ class VotingDesk(QObject):
 
     began = Signal()
     """the study was read: `guideline`, `unsure` and `progress` are known"""
-    asked = Signal(object, str)
-    """a `Question` or `JoinQuestion` to be shown, and the answer that stands"""
+    asked = Signal(object, str, str)
+    """a `Question` or `JoinQuestion` to be shown, the answer that stands, and the comment that was taken back with another"""
     coming = Signal(object)
     """the one that will probably follow"""
     practised = Signal(object)
@@ -47,7 +48,7 @@ class VotingDesk(QObject):
     finished = Signal()
     saved = Signal(str)
     failed = Signal(str)
-    """one sentence; nothing is lost, and `retry` does it again"""
+    """one sentence; nothing is lost, `retry` does it again, and `details` are for whoever looks into it"""
     refused = Signal(str)
     """one sentence that says why this volunteer cannot begin"""
 
@@ -55,6 +56,7 @@ class VotingDesk(QObject):
         super().__init__(parent)
         self._votes, self._looking = votes or Jobs(self), Jobs(self)
         self._shared = votes is not None
+        self.details = ""
         self._again: Callable[[], None] | None = None
         self._kept: Shapes = {}
         self._timer = QTimer(self, interval=READ_AGAIN)
@@ -89,12 +91,13 @@ class VotingDesk(QObject):
             self.began.emit()
             self._prepare()
 
-        self._look(lambda: opening(handle, code, new=new), done, lambda sentence: self.refused.emit(sentence))
+        self._look(lambda: opening(handle, code, new=new), done,
+                   lambda sentence, _: self.refused.emit(unknown_trouble(sentence)))  # fmt: skip
 
     def offer(self, shapes: Iterable[tuple[str, SegmentedShape]]) -> None:
         """Shapes that are at hand anyway, with the hashes of their meshes."""
         given = list(shapes)
-        self._look(lambda: [keep(self._kept, *one) for one in given], lambda _: None, lambda _: None)
+        self._look(lambda: [keep(self._kept, *one) for one in given], lambda _: None, lambda *_: None)
 
     def close(self) -> bool:
         """Let what is being saved reach the disk; whether nothing is left unsaved."""
@@ -122,6 +125,16 @@ class VotingDesk(QObject):
         return len(self._queue.hidden)
 
     @property
+    def anything(self) -> bool:
+        """Whether there is something to be asked, as far as this window knows."""
+        return bool(self._queue.upcoming(1))
+
+    @property
+    def practised_any(self) -> bool:
+        """Whether something was answered in this window, to practise on or for real."""
+        return bool(self._queue.answered)
+
+    @property
     def practising(self) -> tuple[int, int] | None:
         """Which practice item of how many is shown, or None."""
         one = self.question.asked if self.question is not None else None
@@ -145,9 +158,9 @@ class VotingDesk(QObject):
         else:
             self._prepare()
 
-    def _show(self, question: Asked, given: str = "") -> None:
+    def _show(self, question: Asked, given: str = "", comment: str = "") -> None:
         self.question, self._wanted, self._looked = question, False, False
-        self.asked.emit(question, given)
+        self.asked.emit(question, given, comment)
         self._prepare()
 
     def _finish(self) -> None:
@@ -172,7 +185,7 @@ class VotingDesk(QObject):
         if near and near[0] in self._ready and shown is not None:
             self.coming.emit(self._ready[near[0]])
 
-    def _load(self, one: OpenItem, given: str | None = None) -> None:
+    def _load(self, one: OpenItem, given: str | None = None, comment: str = "") -> None:
         """Make an item ready; `given`, the answer that stands, where it is to be shown in any case."""
         handle, code, words, kept = self.handle, self.code, self.words, self._kept
         self._loading.add(one)
@@ -180,19 +193,25 @@ class VotingDesk(QObject):
         def done(found: Asked | Unshowable) -> None:
             self._loading.discard(one)
             if isinstance(found, Unshowable):
-                self.reasons[one] = found.reason if self._shared else ""  # they name files: for the researcher alone
-                self._queue = self._queue.hide(one)
+                hide(found.reason)
+                return
+            self._ready[one] = found
+            if given is not None:
+                self._show(found, given, comment)
             else:
-                self._ready[one] = found
-                if given is not None:
-                    self._show(found, given)
-                    return
-            self.go_on() if self._wanted else self._prepare()
+                self.go_on() if self._wanted else self._prepare()
 
-        def failed(sentence: str) -> None:
+        def hide(reason: str) -> None:
+            self.reasons[one] = reason if self._shared else ""  # they name files: for the researcher alone
+            self._queue = self._queue.hide(one)
+            self.go_on() if self._wanted or given is not None else self._prepare()
+
+        def failed(sentence: str, details: str) -> None:
             self._loading.discard(one)
-            if self._wanted or given is not None:
-                self._trouble(sentence, lambda: self._load(one, given))
+            if unforeseen(sentence):  # whatever is wrong with this match, the others can be asked
+                hide(sentence)
+            elif self._wanted or given is not None:
+                self._trouble(sentence, details, lambda: self._load(one, given, comment))
 
         self._look(lambda: load(handle, code, one, words, kept), done, failed)
 
@@ -207,10 +226,10 @@ class VotingDesk(QObject):
             self.go_on() if self._wanted else self._prepare()
             self.recheck()
 
-        def failed(sentence: str) -> None:
+        def failed(sentence: str, details: str) -> None:
             if self._wanted:
                 self._looked = False
-                self._trouble(sentence, self.go_on)
+                self._trouble(sentence, details, self.go_on)
 
         self._look(lambda: study.open_items(handle, code), done, failed)
 
@@ -225,17 +244,16 @@ class VotingDesk(QObject):
                 self._queue = self._queue.elsewhere([question.asked])
                 self.go_on()
 
-        self._look(lambda: own_answer(handle, code, question.asked), done, lambda _: None)
+        self._look(lambda: own_answer(handle, code, question.asked), done, lambda *_: None)
 
-    def _look(self, work: Callable[[], Any], done: Callable[[Any], None], failed: Callable[[str], None]) -> None:
+    def _look(self, work: Callable[[], Any], done: Callable[[Any], None], failed: Callable[[str, str], None]) -> None:
         """Read in the thread for reading; an answer about a study or volunteer of before is dropped."""
         handle, code = self.handle, self.code
 
-        def current(act: Callable[[Any], None]) -> Callable[..., None]:
-            return lambda value, *_: act(value) if (self.handle, self.code) == (handle, code) else None
+        def current(act: Callable[..., None]) -> Callable[..., None]:
+            return lambda *values: act(*values) if (self.handle, self.code) == (handle, code) else None
 
-        told = current(lambda sentence: failed(unknown_trouble(sentence)))
-        self._looking.start("look", lambda _: work(), current(done), policy=QUEUE, failed=told)
+        self._looking.start("look", lambda _: work(), current(done), policy=QUEUE, failed=current(failed))
 
     # --- answering
 
@@ -277,21 +295,21 @@ class VotingDesk(QObject):
             return
         code, practice = self.code, self._practice
 
-        def work(handle: StudyHandle) -> tuple[OpenItem, str] | None:
+        def work(handle: StudyHandle) -> tuple[OpenItem, str, str] | None:
             item_id = study.undo_vote(handle, code)
             if item_id is None:
                 return None
             one = OpenItem(item_id, 0 if item_id in practice else 1)
-            return one, own_answer(handle, code, one)
+            return one, own_answer(handle, code, one), last_comment(handle, code, one)
 
-        def done(found: tuple[OpenItem, str] | None) -> None:
+        def done(found: tuple[OpenItem, str, str] | None) -> None:
             if found is None:
                 self.saved.emit("no answer to take back")
                 return
-            one, self._given = found
+            one, self._given, comment = found
             self._queue = self._queue.reopen(one, standing=bool(self._given))
             self.saved.emit("taken back ✓")
-            self._load(one, self._given)
+            self._load(one, self._given, comment)
 
         self._commit(work, done, lambda: None, self.undo)
 
@@ -312,6 +330,8 @@ class VotingDesk(QObject):
         again, self._again = self._again, None
         if again is not None:
             again()
+        elif self.question is None:
+            self.go_on()
 
     def _commit(self, work: Callable[[StudyHandle], Any], done: Callable[[Any], None], follow: Callable[[], None],
                 again: Callable[[], None], answered: OpenItem | None = None) -> None:  # fmt: skip
@@ -331,15 +351,18 @@ class VotingDesk(QObject):
             self._queue = self._queue.elsewhere(found[1].answered).settle(found[1].settled)
             follow()
 
-        def failed(sentence: str, _details: str) -> None:
+        def failed(sentence: str, details: str) -> None:
             if (self.handle, self.code) == (handle, code):
                 self.saving = False
-                self._trouble(unknown_trouble(sentence), again)
+                self._trouble(sentence, details, again)
 
         self._votes.start("vote", run, finished, policy=QUEUE, failed=failed)
 
-    def _trouble(self, sentence: str, again: Callable[[], None]) -> None:
+    def _trouble(self, sentence: str, details: str, again: Callable[[], None]) -> None:
         self._again = again
-        self.failed.emit(sentence)
+        self.tell(sentence, details)
 
-
+    def tell(self, sentence: str, details: str) -> None:
+        """Say what went wrong; of a fault that nobody foresaw without its technical part, which can be copied."""
+        self.details = "" if not unforeseen(sentence) else details if self._shared else fault_report(details)
+        self.failed.emit(unknown_trouble(sentence))

@@ -2,23 +2,24 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QEvent, QObject, Qt, Signal
-from PySide6.QtGui import QKeyEvent
+from PySide6.QtCore import QEvent, QObject, Qt, QTimer, Signal
+from PySide6.QtGui import QGuiApplication, QKeyEvent
 from PySide6.QtWidgets import QLabel, QStackedLayout, QVBoxLayout, QWidget
 
 from ...palette import LIGHT, Theme
 from ...views.join import JoinView
 from ...views.voting_pair import VotingPairView
+from . import sayings
 from .bars import AnswerBar, CommentBar, FeedbackBar, SmallPrint, TroubleBar, screen_style
 from .desk import Asked, VotingDesk
 from .notice import Choice, Notice
 from .questions import JoinQuestion, Question
+from .sayings import ENTER, NEXT, Saying
 from .watch import Watch
-from .words import ABOUT, LEAVE, done_text, guideline_html, keys_html, progress_text, welcome_text
+from .words import progress_text
 
 K = Qt.Key
-ENTER = (K.Key_Return, K.Key_Enter)
-NEXT = (*ENTER, K.Key_Space)
+SLOW = 400  # ms of saving after which that is said
 _INPUT = frozenset({QEvent.Type.MouseMove, QEvent.Type.MouseButtonPress, QEvent.Type.Wheel, QEvent.Type.KeyPress})
 
 
@@ -27,6 +28,8 @@ class VotingScreen(QWidget):
 
     left = Signal()
     """the volunteer wants to stop"""
+    given_up = Signal()
+    """the volunteer wants to stop, although the last answer is not saved"""
 
     def __init__(self, desk: VotingDesk, parent: QWidget | None = None, *, own_window: bool = False) -> None:
         super().__init__(parent)
@@ -34,6 +37,8 @@ class VotingScreen(QWidget):
         self.watch = Watch()
         self._theme = LIGHT
         self._given = self._comment = ""
+        self._slow = QTimer(self, singleShot=True, interval=SLOW)
+        self._slow.timeout.connect(lambda: self.small.saved.setText("saving …") if desk.saving else None)
         self._build()
         self._lay_out()
         desk.began.connect(self._began)
@@ -59,6 +64,7 @@ class VotingScreen(QWidget):
         self.told.left.connect(self.go_on)
         self.comment.kept.connect(self._keep_comment)
         self.trouble.again.connect(self._retry)
+        self.trouble.copied.connect(self.copy_details)
         for name, act in self._tools().items():
             self.small.tools[name].clicked.connect(act)
         for watched in (self.view, self.join_view):
@@ -118,16 +124,20 @@ class VotingScreen(QWidget):
         if not field:
             self.setFocus()
 
-    def show_question(self, question: Asked, given: str) -> None:
-        """Ask something, with the answer that stands."""
+    def _read(self, saying: Saying) -> None:
+        self.say(saying.heading, saying.text, *saying.choices, more=saying.more, trouble=saying.trouble)
+
+    def show_question(self, question: Asked, given: str, comment: str = "") -> None:
+        """Ask something, with the answer that stands and a comment that was taken back."""
         self.words.setText(question.words)
         joined = isinstance(question, JoinQuestion)
-        self._given, self._comment = given, ""
+        self._given, self._comment = given, comment
         self.comment.close_up()
         self.trouble.hide()
         self.low.setCurrentWidget(self.answers)
         self._mark()
         self._count()
+        self.small.mark_comment(bool(comment))
         self.small.show_for(shapes=not joined)
         self._return()
         self.stage.setCurrentWidget(self.join_view if joined else self.view)
@@ -161,6 +171,7 @@ class VotingScreen(QWidget):
         last = self.desk.left_to_practise == 0
         self.told.show_feedback(told, "Now for real" if last else "Next", self._theme)
         self.low.setCurrentWidget(self.told)
+        self.small.show_for(shapes=self.stage.currentWidget() is self.view, asking=False)
         self.setFocus()
 
     def go_on(self) -> None:
@@ -169,17 +180,14 @@ class VotingScreen(QWidget):
             self.desk.go_on()
 
     def _began(self) -> None:
-        if self.own_window:
+        if self.own_window and self.desk.anything:
             self.show_welcome()
         else:
             self.desk.go_on()
 
     def show_welcome(self) -> None:
-        """Greet, with the guideline and how much there is to do."""
-        desk = self.desk
-        start = Choice("Go on" if desk.progress.done else "Start", NEXT, "Enter", self._start)
-        text = f"{ABOUT}\n\n{welcome_text(desk.left_to_practise, desk.progress)}"
-        self.say("Welcome", text, start, more=guideline_html(desk.guideline) + keys_html(desk.unsure))
+        """Greet, with how much there is to do."""
+        self._read(sayings.welcome(self.desk, self._start))
 
     def _start(self) -> None:
         self.say("One moment", "")
@@ -187,29 +195,23 @@ class VotingScreen(QWidget):
 
     def show_guideline(self) -> None:
         """What the study says to its volunteers, and the keys; the question stays and its time stands still."""
-        if self.whole.currentIndex() == 1 and self.desk.question is None and not self.practised:
-            return
-        back = Choice("Back", (*NEXT, K.Key_Escape, K.Key_G, K.Key_Question), "Enter", self._return)
-        words = guideline_html(self.desk.guideline)
-        self.say("Guideline", "" if words else "This study has no further guideline.", back,
-                 more=words + keys_html(self.desk.unsure))  # fmt: skip
+        if self.whole.currentIndex() == 0 or self.desk.question is not None or self.practised:
+            self._read(sayings.help_page(self.desk, self._return))
 
     def show_done(self) -> None:
         """Thank, and let the last answer be taken back."""
-        choices = [Choice("Take back the last answer", (K.Key_Backspace,), "Backspace", self.undo)]
-        if self.own_window:
-            choices.insert(0, Choice("Close", (*ENTER, K.Key_Escape), "Enter", self.left.emit))
-        self.say("All done, thank you!", done_text(self.desk.progress.done, self.desk.hidden), *choices)
+        self._read(sayings.done(self.desk, self.undo, self.left.emit if self.own_window else None))
 
     def leave(self) -> None:
-        """Say that everything is saved before the window closes."""
+        """Say that everything is saved before the window closes, or that it is not."""
         if not self.own_window:
             return
-        if self.desk.question is None and not self.practised:
+        if self.desk.unsaved and not self.desk.saving:
+            self._read(sayings.unsaved(self.trouble.words.text(), self._retry, self.given_up.emit))
+        elif self.desk.question is None and not self.practised:
             self.left.emit()
-            return
-        self.say("See you later", LEAVE, Choice("Leave", (K.Key_Escape, *ENTER), "Esc", self.left.emit),
-                 Choice("Go on", (K.Key_Space,), "Space", self._return))  # fmt: skip
+        else:
+            self._read(sayings.leaving(self.desk, self.left.emit, self._return))
 
     # --- what the volunteer does
 
@@ -224,6 +226,7 @@ class VotingScreen(QWidget):
         self._comment = self.comment.text() or self._comment
         shown, active = self.watch.read()
         self._given = answer if answer != "unsure" or self.desk.unsure else self._given
+        self._slow.start()
         self.desk.answer(answer, self._comment, shown, active, self._presentation())
 
     def _presentation(self) -> dict[str, object]:
@@ -234,6 +237,7 @@ class VotingScreen(QWidget):
 
     def undo(self) -> None:
         """Take back the last answer and show its question again."""
+        self._slow.start()
         self.desk.undo()
 
     def skip(self) -> None:
@@ -255,6 +259,7 @@ class VotingScreen(QWidget):
         self._comment = text
         self.comment.hide()
         self.setFocus()
+        self.small.mark_comment(bool(text))
         self.small.saved.setText("comment goes with your answer" if text else "")
 
     def _saved(self, words: str) -> None:
@@ -263,17 +268,25 @@ class VotingScreen(QWidget):
         self._count()
 
     def _failed(self, sentence: str) -> None:
-        self.trouble.show_sentence(sentence, self._theme)
+        self.trouble.show_sentence(sentence, self._theme, details=bool(self.desk.details))
         self.small.saved.setText("not saved yet" if self.desk.unsaved else "")
         if self.desk.question is None and not self.practised:
-            again = Choice("Try again", NEXT, "Enter", self._retry)
-            self.say("One moment", sentence, again, Choice("Leave", (K.Key_Escape,), "Esc", self.left.emit))
+            copy = self.copy_details if self.desk.details else None
+            self._read(sayings.stuck(sentence, self._retry, self.left.emit, copy))
         else:
             self._mark()
 
     def _retry(self) -> None:
         self.trouble.hide()
+        if self.desk.question is not None:
+            self._return()
+        self._slow.start()
         self.desk.retry()
+
+    def copy_details(self) -> None:
+        """Put where the fault happened on the clipboard, for whoever looks into it."""
+        QGuiApplication.clipboard().setText(self.desk.details)
+        self.small.saved.setText("details copied")
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """The keys of the screen; a key that is held down counts once."""

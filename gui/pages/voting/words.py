@@ -9,11 +9,21 @@ ANSWER_KEYS = {"wrong": ("✗  Wrong", "F"), "unsure": ("?  Unsure", "Space"), "
 SPOKEN = {"wrong": "Wrong, key F", "unsure": "Unsure, key Space", "correct": "Correct, key J"}
 TOOLS = (
     ("undo", "Take back", "Backspace"), ("skip", "Skip", "N"), ("comment", "Comment", "C"), ("reset", "Reset view", "R"),
-    ("turn", "Turn", "T"), ("guide", "Guideline", "?"),
+    ("turn", "Turn", "T"), ("guide", "Help", "?"),
 )  # fmt: skip
+AT_LENGTH = {
+    "undo": "Take back the last answer, and the ones before it", "skip": "Skip: the question comes back at the end",
+    "comment": "Write a comment that goes with your answer", "reset": "Look again as at first",
+    "turn": "Turn the shapes by themselves, or stop", "guide": "Help: the guideline and these keys",
+}  # fmt: skip
 ABOUT = (
-    "You will see two shapes, or two pieces of a picture, and one question about them. There are no tricks: answer what "
-    "you think. Every answer is saved at once, so you can stop at any time and go on later where you stopped."
+    "You will see two shapes, each with one part in colour, or two pieces of a picture, and one question about them. There "
+    "are no tricks: answer what you think. Every answer is saved at once, so you can stop at any time and go on later where "
+    "you stopped."
+)
+SEEN = (
+    "Drag a shape to turn it; the wheel or two fingers zoom. Where something stands before the coloured part, it shines "
+    "through, paler."
 )
 NO_CODE = "This code is kept with your answers, so that you can go on later where you stopped."
 LEAVE = "Everything is saved. When you come back, you go on where you stopped."
@@ -31,7 +41,8 @@ def feedback(given: str, known: Practice) -> Feedback:
     """Whether a practice answer was right, what is, and why."""
     if given == known.answer:
         return Feedback(True, "Right!", known.reason)
-    return Feedback(False, f"Not quite: this one is {known.answer}.", known.reason)
+    right, yours = (ANSWER_KEYS[answer][0].split("  ")[1] for answer in (known.answer, given))
+    return Feedback(False, f"Not quite: you said {yours}, the right answer is {right}.", known.reason)
 
 
 def progress_text(progress: VotingProgress) -> str:
@@ -56,26 +67,20 @@ def welcome_text(practice: int, progress: VotingProgress) -> str:
 
 def done_text(answered: int, hidden: int) -> str:
     """What is read at the end."""
-    lines = [f"You have answered {_count(answered, 'question')}. Everything is saved; you can close this window."]
+    lines = [f"You have answered {_count(answered, 'question')}. Everything is saved; you can close this window."] if answered else []
     if hidden:
-        lines.append(f"{_count(hidden, 'match')} cannot be shown here.")
-    return "\n\n".join(lines)
-
-
-def unknown_trouble(sentence: str) -> str:
-    """What to say of a fault that has no sentence of its own, without its technical part."""
-    if "should not have" not in sentence:
-        return sentence
-    return "The study cannot be reached just now; please try again in a moment."
+        tell = "" if answered else " Please tell whoever gave you this."
+        lines.append(f"{_count(hidden, 'match')} cannot be shown here.{tell}")
+    return "\n\n".join(lines or ["Everything is saved; you can close this window."])
 
 
 def keys_html(unsure: bool, shapes: bool = True) -> str:
     """The keys as a small table."""
-    rows = [(key, words.split("  ")[1]) for answer, (words, key) in ANSWER_KEYS.items() if unsure or answer != "unsure"]
-    rows = rows[::-1] + [(key, words) for name, words, key in TOOLS if shapes or name not in ("reset", "turn")]
+    answers = [(key, words.split("  ")[1]) for answer, (words, key) in ANSWER_KEYS.items() if unsure or answer != "unsure"]
+    tools = [(key, AT_LENGTH[name]) for name, _, key in TOOLS if shapes or name not in ("reset", "turn")]
     cells = "".join(f"<tr><td>{escape(key)}</td><td style='padding-left:24px'>{escape(words)}</td></tr>"
-                    for key, words in [*rows, ("Esc", "Leave (everything is saved)")])  # fmt: skip
-    mouse = "<p>Drag a shape to turn it; the wheel or two fingers zoom.</p>" if shapes else ""
+                    for key, words in [*answers[::-1], *tools, ("Esc", "Leave; everything is saved")])  # fmt: skip
+    mouse = f"<p>{SEEN}</p>" if shapes else ""
     return f"<p><b>Keys</b></p><table cellspacing=4>{cells}</table>{mouse}"
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from engine.puzzles.identity import join_ids, join_views, piece_ids, puzzle_id, size_of, standing_ids, turned_offset
+from engine.puzzles.identity import join_frame, join_ids, join_views, piece_ids, puzzle_id, standing_ids
 from engine.puzzles.imagefile import png_bytes
 from engine.puzzles.pieces import Puzzle, Truth
 from engine.puzzles.scoring import TOLERANCE
@@ -107,17 +107,11 @@ def _payload(
     puzzle: Puzzle, joins: Joins, row: int, turns: int, shown: dict[tuple[int, int], str]
 ) -> Mapping[str, Any]:
     """What a volunteer sees of a join; `shown` keeps the pictures of pieces that are not reduced."""
-    a, b = joins.sides[row, ::2].tolist()
-    turn, (x, y) = int(joins.turn[row]), joins.offset[row].tolist()
-    one, two = size_of(puzzle.pieces[a], 0), size_of(puzzle.pieces[b], turn)
-    for _ in range(turns % 4):
-        (x, y), one, two = turned_offset((x, y), one, two), one[::-1], two[::-1]
-    left, top = min(0, x), min(0, y)
-    w, h = max(one[0], x + two[0]) - left, max(one[1], y + two[1]) - top
+    (w, h), turned, corners = join_frame(puzzle, joins, row, turns)
     by = -(-max(w, h) // LONGEST)
     sides = [
-        _side(puzzle, piece, turned % 4, (at[0] - left, at[1] - top), by, shown)
-        for piece, turned, at in ((a, turns, (0, 0)), (b, turn + turns, (x, y)))
+        _side(puzzle, piece, quarters, at, by, shown)
+        for piece, quarters, at in zip(joins.sides[row, ::2].tolist(), turned, corners, strict=True)
     ]
     return {"size": [-(-w // by), -(-h // by)], "pieces": sorted(sides, key=lambda s: (s["y"], s["x"], s["piece"]))}
 

@@ -5,6 +5,7 @@ pieces as they stand and where they stand to each other, whichever is named firs
 """
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,15 @@ from .turning import turned_raster
 
 Offset = tuple[int, int]
 Size = tuple[int, int]
+
+
+class JoinFrame(NamedTuple):
+    """Two joined pieces in the least rectangle that holds both: its width and height in pixels, and of the pieces a and b
+    the clockwise quarter turns (0 to 3) and the top-left pixel of the turned raster in it."""
+
+    size: Size
+    turns: tuple[int, int]
+    corners: tuple[Offset, Offset]
 
 
 @lru_cache(maxsize=4)
@@ -79,3 +89,15 @@ def size_of(piece: Piece, turns: int) -> Size:
 def turned_offset(offset: Offset, a: Size, b: Size) -> Offset:
     """Where b's raster begins, seen from a's, after both were turned clockwise together; sizes are those before."""
     return a[1] - b[1] - offset[1], offset[0]
+
+
+def join_frame(puzzle: Puzzle, joins: Joins, row: int, turns: int) -> JoinFrame:
+    """How the two pieces of a join stand after both were turned by so many clockwise quarter turns from where a was read."""
+    a, b = joins.sides[row, ::2].tolist()
+    turn, (x, y) = int(joins.turn[row]), joins.offset[row].tolist()
+    one, two = size_of(puzzle.pieces[a], 0), size_of(puzzle.pieces[b], turn)
+    for _ in range(turns % 4):
+        (x, y), one, two = turned_offset((x, y), one, two), one[::-1], two[::-1]
+    left, top = min(0, x), min(0, y)
+    size = max(one[0], x + two[0]) - left, max(one[1], y + two[1]) - top
+    return JoinFrame(size, (turns % 4, (turn + turns) % 4), ((-left, -top), (x - left, y - top)))

@@ -8,7 +8,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QFont, QImage, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from engine.puzzles.identity import size_of, turned_offset
+from engine.puzzles.identity import join_frame, size_of
 from engine.puzzles.pieces import Puzzle
 from engine.puzzles.solution import Joins
 from engine.puzzles.turning import turned_polygon
@@ -32,20 +32,13 @@ class Pair:
 
 def pair_of(puzzle: Puzzle, joins: Joins, row: int, turns: int) -> Pair:
     """The two pieces of one join; `turns` are the clockwise quarter turns in which piece a stands."""
-    a, side_a, b, side_b = joins.sides[row].tolist()
-    turn, (x, y) = int(joins.turn[row]), joins.offset[row].tolist()
-    one, two = size_of(puzzle.pieces[a], 0), size_of(puzzle.pieces[b], turn)
-    for _ in range(turns % 4):
-        (x, y), one, two = turned_offset((x, y), one, two), one[::-1], two[::-1]
-    left, top = min(0, x), min(0, y)
-    w, h = max(one[0], x + two[0]) - left, max(one[1], y + two[1]) - top
+    (w, h), turned, corners = join_frame(puzzle, joins, row, turns)
     pixels, sides = np.zeros((h, w, 4), np.uint8), []
-    for piece, side, turned, (u, v) in ((a, side_a, turns, (0, 0)), (b, side_b, turns + turn, (x, y))):
-        raster = np.rot90(rasters(puzzle)[piece], -turned)
-        part = pixels[v - top : v - top + raster.shape[0], u - left : u - left + raster.shape[1]]
+    for (piece, side), quarters, (u, v) in zip(joins.sides[row].reshape(2, 2).tolist(), turned, corners, strict=True):
+        raster = np.rot90(rasters(puzzle)[piece], -quarters)
+        part = pixels[v : v + raster.shape[0], u : u + raster.shape[1]]
         np.copyto(part, raster, where=raster[..., 3:] > 0)
-        ring = turned_polygon(puzzle.pieces[piece].polygon, size_of(puzzle.pieces[piece], 0), turned)
-        ring = ring + np.array([u - left, v - top])
+        ring = turned_polygon(puzzle.pieces[piece].polygon, size_of(puzzle.pieces[piece], 0), quarters) + np.array([u, v])
         sides.append(ring[[side % len(ring), (side + 1) % len(ring)]])
     return Pair(pixels, meetings(sides[0][None], sides[1][None])[0])
 

@@ -102,7 +102,15 @@ def judged_wishes(place: str, source: "SegmentedShape", target: "SegmentedShape"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command `concord` and return its exit code."""
+    """Run the command `concord` and return its exit code: 130 where it was stopped, also while it still loads."""
+    try:
+        return _main(argv)
+    except KeyboardInterrupt:
+        print("concord: stopped.", file=sys.stderr)
+        return 130
+
+
+def _main(argv: Sequence[str] | None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     if not arguments:
         return open_window()

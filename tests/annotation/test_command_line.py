@@ -15,6 +15,7 @@ from engine.matchfile import result_to_json, write_matches
 from engine.puzzles.gathering import Cutting, gather
 from engine.puzzles.imagefile import png_bytes
 from engine.puzzles.solutionfile import write_solution
+from gui.__main__ import main as whole_command
 
 FOOT = identity(LAMP, (0,), VASE, (0,))
 
@@ -198,3 +199,12 @@ def test_a_solution_that_cannot_be_used_is_one_sentence(tmp_path, capsys):
     path.write_text('{"schema": "concord.solution/9"}')
     assert "solution.json" in fails(capsys, "create", tmp_path / "a.db", path)
     assert not (tmp_path / "a.db").exists()
+
+
+def test_a_command_that_is_stopped_while_it_loads_says_so(monkeypatch, capsys):
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("engine.__main__.build_app", stop)
+    assert whole_command(["study", "table", "a.db"]) == 130
+    assert capsys.readouterr().err == "concord: stopped.\n"

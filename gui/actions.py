@@ -144,6 +144,7 @@ TABLE = (
     Action("report-markdown", EXPORT, "Tables as &Markdown…", (), "", lambda w: w.studies.exports.report("markdown")),
     Action("report-latex", EXPORT, "Tables as &LaTeX…", (), "", lambda w: w.studies.exports.report("latex")),
     Action("report-html", EXPORT, "Report with pictures (&HTML)…", (), "", lambda w: w.studies.exports.report("html")),
+    Action("report-figure", EXPORT, "Plot as a &figure (SVG, PDF, PNG)…", (), "", lambda w: w.studies.exports.figure()),
     Action("export-votes", EXPORT, "Votes and matches as &tables…", (), "", lambda w: w.studies.exports.export()),
     Action("datasheet", EXPORT, "&Datasheet…", (), "", lambda w: w.studies.exports.datasheet()),
     Action("archive", EXPORT, "&Archive…", (), "", lambda w: w.studies.exports.archive()),

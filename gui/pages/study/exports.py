@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .desk import StudyDesk
 
 REPORTS = {"csv": "CSV tables (*.csv)", "markdown": "Markdown (*.md)", "latex": "LaTeX (*.tex)", "html": "Web pages (*.html)"}
+FIGURES = "SVG pictures (*.svg);;PDF (*.pdf);;PNG pictures (*.png)"
 
 
 class StudyExports(QObject):
@@ -35,6 +36,16 @@ class StudyExports(QObject):
         if path:
             path = path if Path(path).suffix else f"{path}.{ending}"
             self.desk.run("Writing", lambda h, p: work.report(h, p, Path(path), style, page.section, page.preset))
+
+    def figure(self) -> None:
+        """Ask where to, and write the plot of precision as a figure for a paper."""
+        if not self.desk.has_study():
+            return
+        start = self.desk.folder / f"{study_name(self.desk.handle.where)} precision.svg"
+        path, kind = QFileDialog.getSaveFileName(self.desk.window, "Export the plot", str(start), FIGURES)
+        if path:
+            named = Path(path if Path(path).suffix else path + (kind.partition("*")[2].rstrip(")") or ".svg"))
+            self.desk.run("Drawing", lambda h, p: work.figure(h, p, named))
 
     def datasheet(self) -> None:
         """Ask where to, and write all that a Human Evaluation Datasheet asks and the study knows."""

@@ -14,6 +14,7 @@ from annotation.findings.datasheet import as_json, as_markdown
 from annotation.findings.datasheet_facts import answered
 from annotation.findings.overview import overview
 from annotation.findings.overview_tables import VALUES_HEAD, overview_values
+from annotation.findings.precision import precision_table
 from annotation.findings.report import Drawn, as_csv, as_html, draw_disputed, lead_of, written
 from annotation.findings.tables import tables, values
 from annotation.findings.working import Findings, findings
@@ -125,6 +126,18 @@ def report_text(handle: StudyHandle, progress: Progress, found: Findings, style:
     progress(0.4, "Drawing pictures")
     drawn = draw_disputed(handle, found.disputed[:PICTURES], draw_parts) if found.disputed else Drawn([], ())
     return as_html(found, lead, shown, drawn)
+
+
+def figure(handle: StudyHandle, progress: Progress, path: Path) -> str:
+    """Write the plot of precision as a figure for a paper, in the format of the file's ending."""
+    from ..results.figure import figure_bytes
+    from ..results.precision import marks
+
+    progress(0.1, "Working out the figures")
+    rows = precision_table(handle)
+    progress(0.6, "Drawing")
+    write_atomically(path, figure_bytes(marks(rows), path.suffix.lower().lstrip(".")))
+    return f"Written to {path}"
 
 
 def datasheet(handle: StudyHandle, progress: Progress, path: Path) -> str:

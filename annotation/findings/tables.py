@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Literal
 
 from engine.evaluation.tables import NOTHING, Table
-from engine.evaluation.thesis_tables import set_table
+from engine.evaluation.thesis_tables import set_averages, set_table
 
 from .agreement import OVERLAPPED
 from .comparing import Compared, Method
@@ -178,10 +178,11 @@ def _precision_values(found: Findings) -> Values:
     if found.preset != "thesis":
         return PRECISION_HEAD, [precision_values(row) for row in (*found.rows, *found.chosen)]
     shown: list[tuple[object, ...]] = [
-        (s.method, s.set_name, None if s.precision != s.precision else s.precision, s.pairs, s.layers or None)
+        (s.method, s.set_name, None if s.precision != s.precision else s.precision, s.pairs, s.layers or None, None)
         for s in found.sets
     ]
-    return ("method", "set", "precision", "pairs", "layers"), shown
+    averages = [(method, "(average)", mean, None, None, deviation) for method, mean, deviation in set_averages(found.sets)]
+    return ("method", "set", "precision", "pairs", "layers", "deviation"), shown + averages
 
 
 def _alpha(alpha: float | None) -> str:

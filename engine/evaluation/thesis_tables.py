@@ -39,16 +39,28 @@ def set_table(title: str, found: Sequence[SetPrecision], digits: int = 1) -> Tab
         mine = [cell[method, name] for method in methods if (method, name) in cell]
         shown = [_percent(cell[m, name].precision) if (m, name) in cell else NOTHING for m in methods]
         rows.append((name, *shown, _equal([f.pairs for f in mine]), _equal([f.layers for f in mine]) if mine[0].layers else NOTHING))
-    averages = [_average([f for f in found if f.method == method], digits) for method in methods]
+    averages = [_average(mean, deviation, digits) for _, mean, deviation in set_averages(found)]
     return Table(title, ("set", *methods, "pairs", "layers"), [*rows, ("average", *averages, "", "")], 1, REMARK)
 
 
-def _average(found: Sequence[SetPrecision], digits: int) -> str:
-    known = [f for f in found if not math.isnan(f.precision) and f.pairs]
-    if not known:
+def set_averages(found: Sequence[SetPrecision]) -> list[tuple[str, float | None, float | None]]:
+    """Each method with its average and deviation over the sets, in [0, 1]; None where nothing is decided, of a single set."""
+    averages: list[tuple[str, float | None, float | None]] = []
+    for method in dict.fromkeys(f.method for f in found):
+        known = [f for f in found if f.method == method and not math.isnan(f.precision) and f.pairs]
+        if known:
+            mean, spread = thesis_average([100 * f.precision for f in known], [f.pairs for f in known])
+            averages.append((method, mean / 100, None if math.isnan(spread) else spread / 100))
+        else:
+            averages.append((method, None, None))
+    return averages
+
+
+def _average(mean: float | None, deviation: float | None, digits: int) -> str:
+    if mean is None:
         return NOTHING
-    mean, spread = thesis_average([100 * f.precision for f in known], [f.pairs for f in known])
-    return f"{mean:.{digits}f} %" if math.isnan(spread) else f"{mean:.{digits}f} % ({spread:.{digits}f})"
+    spread = "" if deviation is None else f" ({100 * deviation:.{digits}f})"
+    return f"{100 * mean:.{digits}f} %{spread}"
 
 
 def _percent(share: float) -> str:

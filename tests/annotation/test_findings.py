@@ -146,6 +146,8 @@ def test_the_preset_prints_the_eight_numbers_of_tables_3_1_and_3_2(number):
     assert [row[1] for row in table.rows[:4]] == [f"{percentage:.1f} %" for percentage in percentages]
     assert [row[2] for row in table.rows[:4]] == [str(count) for count in pairs]
     assert table.rows[4][1] == f"{mean} % ({deviation})"
+    *_, row = csv.DictReader(io.StringIO(as_csv(values(worked_out(read(results, votes), preset="thesis")))))
+    assert (row["set"], f"{100 * float(row['precision']):.3f}", f"{100 * float(row['deviation']):.3f}") == ("(average)", mean, deviation)
 
 
 def test_csv_of_each_section_has_its_columns_and_safe_cells():
@@ -159,7 +161,7 @@ def test_csv_of_each_section_has_its_columns_and_safe_cells():
     assert float(row["micro_precision"]) == 0.5
     assert values(found, "all") == values(found, "precision")
     head, rows = values(worked_out(read(RESULTS, VOTES), preset="thesis"))
-    assert (head[0], rows[0]) == ("method", ("m", "lamps", 0.5, 1, None))
+    assert (head[0], rows[0]) == ("method", ("m", "lamps", 0.5, 1, None, None))
 
 
 def test_text_markdown_and_latex_have_every_table():

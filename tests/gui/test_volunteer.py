@@ -12,7 +12,7 @@ from annotation import study
 from engine.errors import BadInput
 from gui.pages.voting import desk as voting_desk
 from gui.pages.voting.questions import Question
-from gui.volunteer import VolunteerWindow
+from gui.volunteer import SMALLEST, VolunteerWindow
 
 K = Qt.Key
 
@@ -377,9 +377,16 @@ def test_a_key_that_is_held_down_counts_once(qtbot, windows, path, make_bar):
     assert current(path) == {}
 
 
-def test_it_fits_small_screens(windows, path, make_bar, qtbot):
-    make_study(path, make_bar, practice=1, gold=0)
+@pytest.mark.parametrize("size", [SMALLEST, (1024, 700)])
+def test_it_fits_small_screens(windows, path, make_bar, qtbot, size):
+    make_study(path, make_bar, practice=0, gold=0)
     window = windows(path)
+    window.resize(*size)
+    press(qtbot, window, K.Key_J)
+    QApplication.processEvents()
+    small = window.screen.small
+    assert small.minimumSizeHint().width() <= small.width()
+    assert ("(Backspace)" in small.tools["undo"].text()) == (size != SMALLEST)
     assert window.minimumSizeHint().width() <= 1024
     assert window.minimumSizeHint().height() <= 700
     outside = [child for child in window.screen.page.findChildren(QWidget)

@@ -1,6 +1,7 @@
 """The parts of the voting screen below the picture: answers, what is said after practice, a comment, small print."""
 
 from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QPushButton, QVBoxLayout, QWidget
 
 from ...palette import Theme
@@ -8,6 +9,7 @@ from ..shapes.panels import answer_style
 from .words import ANSWER_KEYS, SPOKEN, TOOLS, Feedback
 
 HIGH = 64
+ROOM = 880  # pixels that the small print needs with its keys
 
 
 class AnswerBar(QWidget):
@@ -81,6 +83,8 @@ class CommentBar(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         label, self.line, done = QLabel("Comment", self), QLineEdit(self, maxLength=1000), QPushButton("Keep (Enter)", self)
+        label.setStyleSheet("font-size: 14px;")
+        done.setStyleSheet("font-size: 14px;")
         self.line.setMinimumHeight(36)
         self.line.setAccessibleName("Comment that is kept with your answer")
         self.line.setPlaceholderText("goes with your answer to this question")
@@ -155,10 +159,11 @@ class SmallPrint(QWidget):
             label.setObjectName("soft")
             label.setTextFormat(Qt.TextFormat.PlainText)
         self.tools: dict[str, QPushButton] = {}
+        self._narrow = self._written = False
         self.row = _row(self, 4)
         self.row.addWidget(self.counter, 1)
         for name, words, key in TOOLS:
-            button = QPushButton(f"{words} ({key})", self, flat=True)
+            button = QPushButton("", self, flat=True)
             button.setObjectName("plain")
             button.setAccessibleName(f"{words}, key {key}")
             button.setMinimumHeight(28)
@@ -166,6 +171,7 @@ class SmallPrint(QWidget):
             self.row.addWidget(button)
             self.tools[name] = button
         self.row.addWidget(self.saved, 1, Qt.AlignmentFlag.AlignRight)
+        self._label()
 
     def show_for(self, *, shapes: bool, asking: bool = True) -> None:
         """Offer what can be done with what is shown: only shapes can be turned, only a question left or commented on."""
@@ -176,7 +182,21 @@ class SmallPrint(QWidget):
 
     def mark_comment(self, written: bool) -> None:
         """Show that a comment will go with the answer."""
-        self.tools["comment"].setText("Comment ✓ (C)" if written else "Comment (C)")
+        self._written = written
+        self._label()
+
+    def _label(self) -> None:
+        """The words of the commands; their keys, too, where there is room."""
+        for name, words, key in TOOLS:
+            mark = " ✓" if name == "comment" and self._written else ""
+            self.tools[name].setText(f"{words}{mark}" + ("" if self._narrow else f" ({key})"))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Leave the keys out on a narrow screen; the help has them."""
+        super().resizeEvent(event)
+        if self._narrow != (self.width() < ROOM):
+            self._narrow = not self._narrow
+            self._label()
 
 
 def screen_style(colours: Theme) -> str:

@@ -13,17 +13,16 @@ TOOLS = (
 )  # fmt: skip
 AT_LENGTH = {
     "undo": "Take back the last answer, and the ones before it", "skip": "Skip: the question comes back at the end",
-    "comment": "Write a comment that goes with your answer", "reset": "Look again as at first",
+    "comment": "Write a comment that goes with your answer", "reset": "See the shapes as they were shown at first",
     "turn": "Turn the shapes by themselves, or stop", "guide": "Help: the guideline and these keys",
 }  # fmt: skip
 ABOUT = (
-    "You will see two shapes, each with one part in colour, or two pieces of a picture, and one question about them. There "
+    "You will see two shapes, each with one part marked in colour, or two pieces of a picture, and one question about them. There "
     "are no tricks: answer what you think. Every answer is saved at once, so you can stop at any time and go on later where "
     "you stopped."
 )
 SEEN = (
-    "Drag a shape to turn it; the wheel or two fingers zoom. Where something stands before the coloured part, it shines "
-    "through, paler."
+    "Drag a shape to turn it; the wheel or two fingers zoom. What is hidden of a coloured part shines through, paler."
 )
 NO_CODE = "This code is kept with your answers, so that you can go on later where you stopped."
 LEAVE = "Everything is saved. When you come back, you go on where you stopped."

@@ -99,16 +99,18 @@ def overview(file: str, /, *, format: Literal["text", "csv", "markdown"] = "text
     format
         How to write the table.
     """
+    from ..results.unseen import unseen, unseen_words
     from .overview import overview as read_overview
     from .overview_tables import VALUES_HEAD, overview_table, overview_values
 
     with open_study(file, backup=False, writable=False) as handle:
-        rows, study = read_overview(handle), about(handle)
+        rows, study, warning = read_overview(handle), about(handle), unseen_words(unseen(handle))
     if format == "csv":
         give(csv_text(VALUES_HEAD, map(overview_values, rows)), out)
     else:
         people = "1 volunteer" if len(rows) == 1 else f"{len(rows)} volunteers"
-        give(written(f"Study {study.name}: {people}", [overview_table(rows)], format, screen_width(out)), out)
+        text = written(f"Study {study.name}: {people}", [overview_table(rows)], format, screen_width(out))
+        give(f"{text}\n{warning}\n" if warning else text, out)
 
 
 def datasheet(file: str, /, *, out: Path) -> None:

@@ -48,6 +48,15 @@ def test_turning_the_methods_round_keeps_p_and_turns_the_sign():
     assert one.permutation == pytest.approx(other.permutation, abs=0.02)
 
 
+def test_differences_that_are_equal_but_for_the_last_digit_tie():
+    """1 - 2/3 and 1/3 - 0 differ in the last of their digits; their ranks and signs must not hang on it."""
+    x, y = [0.0] * 4 + [1.0] * 3 + [0.1 + 0.2], [1 / 3] * 4 + [2 / 3] * 3 + [0.3]
+    assert 1 / 3 != 1 - 2 / 3
+    found = paired_test(x, y)
+    assert (found.better, found.worse, found.equal) == (4, 3, 1)
+    assert found.wilcoxon == paired_test([0] * 8, [1] * 4 + [-1] * 3 + [0]).wilcoxon
+
+
 def test_holm_by_hand():
     assert holm([0.01, 0.04, None, 0.03]) == pytest.approx((0.03, 0.06, None, 0.06))
     assert holm([0.9, 0.8]) == (1, 1)

@@ -22,7 +22,10 @@ from engine.errors import ConcordError
 
 
 class Field(NamedTuple):
-    """One thing that is asked for: 'text', 'secret', 'number', 'switch', 'choice', or 'save' (a file to make)."""
+    """One thing that is asked for: 'text', 'secret', 'number', 'switch', 'choice', or 'save' (a file to make).
+
+    One that `needs` a switch can be given only while that is on.
+    """
 
     name: str
     caption: str
@@ -30,6 +33,7 @@ class Field(NamedTuple):
     value: Any = ""
     help: str = ""
     choices: tuple[str, ...] = ()
+    needs: str = ""
 
 
 class AskDialog(QDialog):
@@ -53,6 +57,7 @@ class AskDialog(QDialog):
         self.error = QLabel("", self, wordWrap=True)
         self.error.setObjectName("field-error")
         self.error.setTextFormat(Qt.TextFormat.PlainText)
+        self.error.hide()
         column = QVBoxLayout(self)
         column.setContentsMargins(24, 20, 24, 16)
         column.setSpacing(12)
@@ -89,13 +94,34 @@ class AskDialog(QDialog):
             line.addWidget(editor, 1)
             line.addWidget(choose)
             column.addLayout(line)
+            self._bind(field.needs, choose)
         else:
             column.addWidget(editor, 0, Qt.AlignmentFlag.AlignLeft if field.kind in ("number", "choice") else Qt.AlignmentFlag(0))
+        self._bind(field.needs, editor)
         if field.help:
             told = QLabel(field.help, self, wordWrap=True)
             told.setObjectName("soft")
             column.addWidget(told)
         return column
+
+    def _bind(self, switch: str, widget: QWidget) -> None:
+        """Enable a widget only while a switch above it is on."""
+        if switch:
+            widget.setEnabled(self.editors[switch].isChecked())
+            self.editors[switch].toggled.connect(widget.setEnabled)
+
+    def follow(self, chosen: str, file: str, name: Callable[[str], str]) -> None:
+        """Let the name of a file follow what is chosen, until somebody writes another one."""
+        line = self.editors[file]
+        suggested = line.text()
+
+        def rename(text: str) -> None:
+            nonlocal suggested
+            if line.text() == suggested:
+                suggested = name(text.strip())
+                line.setText(suggested)
+
+        self.editors[chosen].currentTextChanged.connect(rename)
 
     def _editor(self, field: Field) -> QWidget:
         if field.kind == "switch":
@@ -143,6 +169,7 @@ class AskDialog(QDialog):
         except ConcordError as error:
             sentence = str(error)
         self.error.setText(sentence)
+        self.error.setVisible(bool(sentence))
         if not sentence:
             self.given.emit(values)
             self.accept()

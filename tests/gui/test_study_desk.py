@@ -253,6 +253,38 @@ def test_a_packet_goes_out_and_comes_back(bars, qtbot, tmp_path, monkeypatch):
     assert "nothing new" in bars.status.text.text()
 
 
+def test_the_file_of_a_packet_is_named_after_its_volunteer_until_another_name_is_written(bars, tmp_path):
+    bars.actions_by_id["send-packet"].trigger()
+    dialog = the_dialog(bars, AskDialog)
+    for code, name in (("anna", "bars for anna.db"), ("no/code", "bars for volunteer.db"), ("ben", "bars for ben.db")):
+        dialog.editors["code"].setCurrentText(code)
+        assert dialog.editors["file"].text() == str(tmp_path / name)
+    dialog.editors["file"].setText("mine.db")
+    dialog.editors["code"].setCurrentText("anna")
+    assert dialog.editors["file"].text() == "mine.db"
+    dialog.reject()
+
+
+def test_a_file_is_asked_for_only_while_it_is_wanted(bars, qtbot):
+    bars.actions_by_id["top-up"].trigger()
+    settle(bars, qtbot)
+    dialog = the_dialog(bars, AskDialog)
+    assert not dialog.editors["file"].isEnabled()
+    dialog.editors["apart"].setChecked(True)
+    assert dialog.editors["file"].isEnabled()
+    dialog.reject()
+
+
+def test_what_failed_does_not_stand_beside_what_was_done_before(bars, qtbot, tmp_path):
+    bars.studies.run("Packing", lambda handle, progress: study_work.archived(handle, progress, tmp_path / "one.zip", False))
+    settle(bars, qtbot)
+    assert "one.zip" in bars.status.text.text()
+    bars.studies.run("Packing", lambda handle, progress: study_work.archived(handle, progress, tmp_path / "no" / "two.zip", False))
+    settle(bars, qtbot)
+    assert "two.zip" in bars.messages.text.text()
+    assert "one.zip" not in bars.status.text.text()
+
+
 def test_a_packet_of_another_study_is_refused_in_a_sentence(bars, qtbot, tmp_path, monkeypatch):
     study.create_study(tmp_path / "other.db", name="other").close()
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_, **__: (str(tmp_path / "other.db"), ""))

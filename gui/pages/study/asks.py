@@ -1,5 +1,6 @@
 """What the researcher's dialogs ask for, in words; no widget here."""
 
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -34,14 +35,14 @@ def named(values: Mapping[str, Any]) -> str:
     if not values["file"]:
         return "Choose the file that is written."
     path = Path(values["file"])
-    if path.exists():
+    if os.path.exists(path):
         return f"{path} exists already; choose another name."
     return "" if path.absolute().parent.is_dir() else f"There is no folder {path.absolute().parent}; choose another one."
 
 
 def archive_fields(file: str) -> tuple[str, tuple[Field, ...]]:
     """Words and fields for an archive."""
-    return ("One zip with the study, its exports and what each file hashes to; Concord opens it again anywhere.",
+    return ("One zip with the study, its exports and what each file hashes to; unpacked anywhere, Concord opens the study.db in it.",
             (Field("file", "File", "save", file),
              Field("anonymous", "Without anything that leads back to volunteers", "switch",
                    help="Codes are replaced, comments and times of the day are left out. To publish.")))  # fmt: skip
@@ -51,16 +52,22 @@ def free_file(folder: Path, stem: str, ending: str = ".db") -> str:
     """A name in a folder that no file has yet."""
     for number in range(1, 1000):
         path = folder / (stem + (f" {number}" if number > 1 else "") + ending)
-        if not path.exists():
+        if not os.path.exists(path):
             return str(path)
     return ""
+
+
+def packet_file(code: str, folder: Path, study: str) -> str:
+    """A free name for the packet of a volunteer, who may not be named yet."""
+    known = code if code and all(c.isalnum() or c in "-_" for c in code) else "volunteer"
+    return free_file(folder, f"{study} for {known[:40]}")
 
 
 def packet_fields(code: str, codes: Sequence[str], folder: Path, study: str) -> tuple[str, tuple[Field, ...]]:
     """Words and fields for a packet."""
     lead = ("One file with what a volunteer is asked, and nothing else: no method, score, known answer or vote of others. "
             "When it comes back, take it in.")  # fmt: skip
-    file = free_file(folder, f"{study} for {code or 'volunteer'}")
+    file = packet_file(code, folder, study)
     return lead, (
         Field("code", "Volunteer", "choice", code, "A code: letters, digits, - and _; a new one is registered.", tuple(codes)),
         Field("items", "Most matches (0: all that are open)", "number", 0),
@@ -77,7 +84,7 @@ def top_up_fields(sources: Sequence[Source], found: Unasked, file: str) -> tuple
         Field("most", "Most new matches (0: all)", "number", 0),
         Field("apart", "Make a study of its own of what nobody has judged yet", "switch",
               help="To hand out apart; merge it back when it is done."),
-        Field("file", "File of that study", "save", file),
+        Field("file", "File of that study", "save", file, needs="apart"),
     )  # fmt: skip
     return (shown + (left if found.matches else "") + sampled).strip() or "Nothing new is shown in the window.", fields
 

@@ -60,6 +60,7 @@ class StudyDesk(QObject):
         handle = self.handle
         if handle is not None:
             self.window.messages.dismiss()
+            self.window.status.text.setText("")  # what was done before says nothing of this
             self.jobs.start("study", lambda progress: work(handle, progress), self.say_done, words=words, policy=QUEUE)
 
     def say_done(self, sentence: str) -> None:
@@ -122,6 +123,7 @@ class StudyDesk(QObject):
     def open(self, where: Path | str) -> None:
         """Open a study by its path or address."""
         self.window.messages.dismiss()
+        self.window.status.text.setText("")
         self.window.judging.open(where)
 
     def _opened(self) -> None:

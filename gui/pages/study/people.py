@@ -13,7 +13,7 @@ from ...jobs import QUEUE
 from ..ask_dialog import show_secret
 from ..judging import checked_code
 from . import work
-from .asks import FORGET_LEAD, INVITE_LEAD, STUDIES, invite_fields, named, packet_fields
+from .asks import FORGET_LEAD, INVITE_LEAD, STUDIES, invite_fields, named, packet_fields, packet_file
 
 if TYPE_CHECKING:
     from .desk import StudyDesk
@@ -41,8 +41,10 @@ class StudyPeople(QObject):
             checked_code(values["code"])
             return named(values)
 
-        lead, fields = packet_fields(code, codes, self.desk.folder, study_name(self.desk.handle.where))
+        folder, study = self.desk.folder, study_name(self.desk.handle.where)
+        lead, fields = packet_fields(code, codes, folder, study)
         dialog = self.desk.ask("Send a packet", lead, fields, "Write the packet", check)
+        dialog.follow("code", "file", lambda code: packet_file(code, folder, study))
         dialog.given.connect(lambda v: self.desk.run(
             "Packing", lambda h, p: work.packet(h, p, checked_code(v["code"]), Path(v["file"]), v["items"])))  # fmt: skip
 

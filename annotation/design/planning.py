@@ -190,6 +190,27 @@ def estimated(handle: StudyHandle) -> dict[str, Any]:
     return {name: _within(name, value) for name, value in told.items() if value is not None}
 
 
+class Held(NamedTuple):
+    """What a study has of one method: its pairs and distinct matches, and how many of them have a vote that decides."""
+
+    method: str
+    preset: str
+    pairs: int
+    matches: int
+    judged: int
+
+
+def held(handle: StudyHandle) -> tuple[Held, ...]:
+    """What the study has to put against what is needed, by method and preset."""
+    decided = {vote.item for vote in ballots(handle) if vote.answer != "unsure"}
+    found: dict[tuple[str, str], tuple[set[str], set[str]]] = {}
+    for result in proposed(handle):
+        pairs, items = found.setdefault((result.method, result.preset), (set(), set()))
+        pairs.add(result.pair)
+        items.update(result.items)
+    return tuple(Held(*name, len(pairs), len(items), len(items & decided)) for name, (pairs, items) in sorted(found.items()))
+
+
 def _within(name: str, value: float) -> float:
     """A value moved into the declared range."""
     limits = {side: getattr(mark, side) for mark in Expectations.model_fields[name].metadata

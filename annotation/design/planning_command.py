@@ -1,14 +1,15 @@
 """`concord study plan`: how many matches have to be judged."""
 
-from collections.abc import Container
+from collections.abc import Container, Iterable
 from typing import Annotated
 
 from cyclopts import Parameter
 
+from ..findings.tabletext import method_name
 from ..storage.handle import StudyHandle
 from ..study import about, open_study
 from .designing import Design
-from .planning import Expectations, Needed, estimated, needed
+from .planning import Expectations, Held, Needed, estimated, held, needed
 
 EXPECTED, DEFAULT = Expectations(), Design()
 
@@ -28,12 +29,14 @@ def plan(
         A study whose votes so far tell what is to be expected; what is given here counts more.
     """
     told: dict[str, float] = {}
+    there: tuple[Held, ...] = ()
     if study is not None:
         with open_study(study, backup=False, writable=False) as handle:
             told = {name: value for name, value in estimated(handle).items() if name not in expected.model_fields_set}
-            design = design.changed(**_asked(handle, design))
+            design, there = design.changed(**_asked(handle, design)), held(handle)
     assumed = expected.changed(**told)
-    print("\n".join(sentences(assumed, needed(assumed, design), told)))
+    found = needed(assumed, design)
+    print("\n".join([*sentences(assumed, found, told), *against(there, found)]))
 
 
 def _asked(handle: StudyHandle, design: Design) -> dict[str, object]:
@@ -41,6 +44,15 @@ def _asked(handle: StudyHandle, design: Design) -> dict[str, object]:
     study = about(handle)
     own = {"votes": study.votes, "adaptive": study.adaptive}
     return {name: value for name, value in own.items() if name not in design.model_fields_set}
+
+
+def against(there: Iterable[Held], found: Needed) -> list[str]:
+    """What the study has of each method, beside what is needed."""
+    lines = [
+        f"  {method_name((one.method, one.preset))}: {one.judged} of {found.matches} judged; its {one.matches} matches are of "
+        f"{one.pairs} of {found.pairs} pairs" for one in there
+    ]  # fmt: skip
+    return ["", "The study has:", *lines] if lines else []
 
 
 def sentences(expected: Expectations, found: Needed, told: Container[str] = ()) -> list[str]:

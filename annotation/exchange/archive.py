@@ -48,7 +48,10 @@ def archive(handle: StudyHandle, out: Path | str, changing: Unchanged | None = N
         raise BadInput(f"{handle.where} is for {handle.volunteer} alone; make the archive from the study itself.")
     with _staged(path) as folder:
         copied = folder / STUDY
-        copy_study(handle, copied, changing or Unchanged())
+        try:
+            copy_study(handle, copied, changing or Unchanged())
+        except BadInput as error:
+            raise BadInput(str(error).replace(str(copied), str(path))) from None
         with open_study(copied, backup=False) as copy:
             name, files = about(copy).name, contents(copy, ("csv",), gold=True)
         (folder / "exports").mkdir()

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
+from engine.cli import results_folder
 from engine.errors import BadParameter
 
 from ..study import open_study, shown_place, volunteers
@@ -70,7 +71,7 @@ def export(study: str, /, *, out: Path, format: str = "csv", gold: Flag = False)
     formats = [name.strip() for name in format.split(",") if name.strip()]
     if not formats:
         raise BadParameter(f"Name a format to export to, of {', '.join(FORMATS)}.")
-    with open_study(study, backup=False, writable=False) as handle:
+    with open_study(study, backup=False, writable=False) as handle, results_folder(out):
         files = write_export(handle, out, formats, gold=gold)
     print(f"{out}: {', '.join(file.name for file in files)}.")
 

@@ -22,7 +22,7 @@ from .answering import (
     still_open,
     volunteer,
 )
-from .volunteers import is_strange
+from .volunteers import beginner, is_strange
 
 _current, _events = schema.current_vote.c, schema.event.c
 
@@ -55,7 +55,7 @@ def known_volunteer(handle: StudyHandle, code: str, study: Study, new: bool) -> 
         raise BadInput(f"This is for another volunteer than {code}; leave the code out, or check whose file it is.")
     if study.votes and not new and is_strange(handle, code):
         raise BadInput(f"This study knows no volunteer {code}; check the code, or ask whoever gave it to you.")
-    return volunteer(handle, code).code
+    return beginner(handle, code).code
 
 
 def own_code(handle: StudyHandle) -> str | None:

@@ -47,6 +47,31 @@ def volunteer(handle: StudyHandle, code: str) -> Volunteer:
         return enrolled(connection, code)
 
 
+def beginner(handle: StudyHandle, code: str) -> Volunteer:
+    """The volunteer of that code, about to begin or go on: for who has not voted yet the seed is settled once more.
+
+    For others may have settled so much in the meantime that a gold item came first. A login or a packet keeps its own.
+    """
+    voter = volunteer(handle, code)
+    if handle.volunteer is not None:
+        return voter
+    with handle.reading() as connection:
+        seed = _settled(connection, voter)
+    if seed == voter.seed:
+        return voter
+    with handle.writing() as connection:
+        seed = _settled(connection, voter)
+        connection.execute(update(schema.volunteer).where(schema.volunteer.c.code == voter.code).values(seed=seed))
+    return Volunteer(voter.code, seed, voter.adjudicates)
+
+
+def _settled(connection: Connection, voter: Volunteer) -> str:
+    """The seed that a volunteer who has not voted is to have now."""
+    if connection.scalar(select(schema.event.c.uuid).where(schema.event.c.volunteer == voter.code).limit(1)) is not None:
+        return voter.seed
+    return _fresh_seed(connection, voter.code, *_queue(connection, voter.code, *_asked(connection)))
+
+
 def known_volunteer(handle: StudyHandle, code: str) -> Volunteer:
     """The volunteer of a code that must be there; raises `BadInput` with those that are."""
     code, known = checked_code(code), volunteers(handle)

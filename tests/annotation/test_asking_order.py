@@ -23,6 +23,7 @@ from annotation.voting.answering import (
     settle_seeds,
     sides_swapped,
 )
+from annotation.voting.asking import opening
 from annotation.voting.majority import majorities
 from engine.errors import BadInput, BadParameter
 
@@ -217,6 +218,27 @@ def test_who_comes_late_does_not_begin_with_gold_either(tmp_path):
             votes(handle, item, anna="correct")
         assert len(asked(handle, "late") - gold) == 2
         assert not gold & {open_items(handle, f"late{n}")[0].item_id for n in range(20)}
+
+
+def test_who_is_invited_early_and_begins_late_does_not_begin_with_gold_either(tmp_path):
+    items, late = [f"a-{n}" for n in range(30)], [f"late{n}" for n in range(20)]
+    with designed(tmp_path / "a.db", Design(votes=1, gold=0.3, gold_least=0, practice=0), items, gold=known(items)) as handle:
+        for code in late:
+            study.volunteer(handle, code)
+        with handle.reading() as connection:
+            gold = set(connection.scalars(select(schema.asked.c.item_id).where(schema.asked.c.role == "gold")))
+        for item in sorted(set(items) - gold)[2:]:
+            votes(handle, item, anna="correct")
+        assert gold & {open_items(handle, code)[0].item_id for code in late}
+        firsts = [opening(handle, code, new=False).open[0].item_id for code in late]
+        assert not gold & set(firsts)
+        assert [open_items(handle, code)[0].item_id for code in late] == firsts
+        votes(handle, firsts[0], late0="correct")
+        seeds = {one.code: one.seed for one in study.volunteers(handle)}
+        for item in sorted(set(items) - gold)[:1]:
+            votes(handle, item, anna="correct")
+        opening(handle, "late0", new=False)
+        assert study.volunteer(handle, "late0").seed == seeds["late0"]  # has begun: the order stays
 
 
 def test_a_packet_does_not_begin_with_gold(tmp_path):

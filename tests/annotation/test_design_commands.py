@@ -152,6 +152,12 @@ def test_a_plan_takes_what_a_study_tells(tmp_path, results, capsys):
     assert "2 matches of one method on a pair (as in the study)" in said
     assert "precision 50.0 %\n" in said
     assert "1.05 for each match" in said  # one vote, and one more where it is unsure
+    run(capsys, "vote", tmp_path / "a.study", "--new", "--volunteer", "me", "--item", ids(tmp_path / "a.study")[0], "--answer", "wrong")
+    said = run(capsys, "plan", tmp_path / "a.study", "--per-pair", "10", "--precision", "0.8", "--correlation", "0.1")
+    assert "500 judged matches of 50 pairs are needed" in said
+    (line,) = said.split("The study has:\n")[1].splitlines()
+    assert line.endswith(" of 500 judged; its 4 matches are of 2 of 50 pairs")
+    assert "The study has" not in run(capsys, "plan")
     assert "it takes a number from 0.005 to 0.4" in fails(capsys, "plan", "--half-width", "2")
 
 

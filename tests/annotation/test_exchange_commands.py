@@ -8,6 +8,7 @@ from exchange_world import content, ids_of, strip_study
 from test_command_line import fails, run
 
 from annotation import study
+from engine.errors import BadInput
 
 
 @pytest.fixture
@@ -89,6 +90,22 @@ def test_exports_name_their_files(tmp_path, file, capsys):
     assert not (tmp_path / "out" / "gold.csv").exists()
     assert "xlsx is no format" in fails(capsys, "export", file, "--out", tmp_path / "out", "--format", "xlsx")
     assert "Name a format" in fails(capsys, "export", file, "--out", tmp_path / "out", "--format", ",")
+
+
+def test_a_disk_that_is_full_leaves_no_folder_and_is_told_by_the_name_that_was_given(tmp_path, file, capsys, monkeypatch):
+    def full(*_: object) -> None:
+        raise BadInput(f"{tmp_path / 'out' / 'votes.csv'} cannot be written (No space left on device); make room.")
+
+    monkeypatch.setattr("annotation.exchange.exporting.write_together", full)
+    assert "No space left" in fails(capsys, "export", file, "--out", tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+    def also(path: object, _fill: object) -> None:
+        raise BadInput(f"{path} cannot be written because the disk is full; make room.")
+
+    monkeypatch.setattr("annotation.exchange.archive.create_file", also)
+    assert f" {tmp_path / 'a.zip'} cannot be written because" in fails(capsys, "archive", file, "--out", tmp_path / "a.zip")
+    assert not list(tmp_path.glob("*a.zip*"))
 
 
 def test_a_volunteer_is_deleted_and_everything_that_was_done_is_told(tmp_path, file, capsys):

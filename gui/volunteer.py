@@ -14,7 +14,6 @@ from annotation.voting.asking import own_code
 from .jobs import QUEUE, Jobs, show_unexpected
 from .pages.style import window_style
 from .pages.voting.desk import VotingDesk
-from .pages.voting.faults import unknown_trouble
 from .pages.voting.notice import Choice
 from .pages.voting.sayings import ENTER, NEXT
 from .pages.voting.screen import VotingScreen
@@ -71,7 +70,7 @@ class VolunteerWindow(QMainWindow):
         self.screen.say("One moment", "Opening …")
         where = self.where
         self.opener.start("study", lambda _: opened(where), self._opened, policy=QUEUE,
-                          failed=lambda sentence, _: self._ask_study(unknown_trouble(sentence)))  # fmt: skip
+                          failed=lambda *said: self._ask_study(self.desk.plainly(*said)))  # fmt: skip
 
     def _opened(self, handle: StudyHandle) -> None:
         if self.handle is not None:
@@ -93,7 +92,7 @@ class VolunteerWindow(QMainWindow):
         choose = Choice("Open the file that you were given", NEXT, "Enter", self._choose)
         choices = [choose, Choice("Close", (Qt.Key.Key_Escape,), "Esc", self.close)]
         if trouble:
-            choices.insert(1, Choice("Try again", (Qt.Key.Key_R,), "R", self.begin))
+            choices[1:1] = [Choice("Try again", (Qt.Key.Key_R,), "R", self.begin), *self._copying()]
         heading = "This did not work" if trouble else "Welcome"
         self.screen.say(heading, "" if trouble else "Open the file that you were given, or drop it here.", *choices, trouble=trouble)
 
@@ -109,10 +108,14 @@ class VolunteerWindow(QMainWindow):
         anybody = self.handle is not None and own_code(self.handle) is None
         if trouble and anybody and "knows no volunteer" in trouble:
             choices.append(Choice("I am new here", (), "", lambda: self._take_code(new=True)))
-        choices.append(Choice("Close", (Qt.Key.Key_Escape,), "Esc", self.close))
+        choices += [*(self._copying() if trouble else ()), Choice("Close", (Qt.Key.Key_Escape,), "Esc", self.close)]
         self.screen.say("What is your code?", NO_CODE, *choices, field="your code", trouble=trouble)
         self.screen.notice.field.setText(self.code)
         self.screen.notice.field.selectAll()
+
+    def _copying(self) -> tuple[Choice, ...]:
+        """A way to hand on what is known of a fault that nobody foresaw."""
+        return (Choice("Copy details", (), "", self.screen.copy_details),) if self.desk.details else ()
 
     def _take_code(self, *, new: bool = False) -> None:
         code = self.screen.notice.field.text().strip()

@@ -484,3 +484,32 @@ def test_after_practice_only_what_works_is_offered(qtbot, windows, path, make_ba
     assert [name for name, button in window.screen.small.tools.items() if button.isVisible()] == ["undo", "reset", "turn", "guide"]
     press(qtbot, window, K.Key_Return)
     assert window.screen.small.tools["skip"].isVisible()
+
+
+def test_a_fault_in_opening_can_be_handed_on(qtbot, windows, path, monkeypatch):
+    def broken(*_args, **_kwargs):
+        raise RuntimeError("zq-secret")
+
+    monkeypatch.setattr("gui.volunteer.study.open_study", broken)
+    window = windows(path, start=False)
+    qtbot.waitUntil(lambda: heading(window) == "This did not work", timeout=20_000)
+    assert "zq-secret" not in window.screen.notice.trouble.text()
+    button = next(one for one in window.screen.notice.buttons if one.text() == "Copy details")
+    qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+    assert "RuntimeError" in QApplication.clipboard().text()
+    assert "zq-secret" not in QApplication.clipboard().text()
+
+
+def test_skipping_comes_round_and_ends_at_the_last(qtbot, windows, path, make_bar):
+    make_study(path, make_bar, practice=0, gold=0)
+    window = windows(path)
+    first = window.desk.question.asked
+    press(qtbot, window, *[K.Key_N] * 10)
+    assert window.desk.question.asked == first
+    press(qtbot, window, *[K.Key_J] * 9)
+    last = window.desk.question.asked
+    press(qtbot, window, K.Key_N)
+    assert window.desk.question.asked == last
+    assert window.screen.small.saved.text() == "this is the last one"
+    press(qtbot, window, K.Key_J)
+    assert heading(window) == "All done, thank you!"

@@ -55,3 +55,8 @@ def test_an_answer_outlives_a_server_that_goes_away(server, qtbot, windows, make
     with study.open_study(address) as owner:
         assert study.answers(owner, "anna")[question.asked.item_id] == "correct"
         assert len(study.answers(owner, "anna")) == 2
+    press(qtbot, window, K.Key_C)
+    qtbot.keyClicks(window.screen.comment.line, "odd cut")
+    qtbot.keyClick(window.screen.comment.line, K.Key_Return)
+    press(qtbot, window, K.Key_J, K.Key_Backspace)
+    assert "✓" in window.screen.small.tools["comment"].text()  # her own words may be read back under her own login

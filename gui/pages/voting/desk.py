@@ -92,7 +92,7 @@ class VotingDesk(QObject):
             self._prepare()
 
         self._look(lambda: opening(handle, code, new=new), done,
-                   lambda sentence, _: self.refused.emit(unknown_trouble(sentence)))  # fmt: skip
+                   lambda *said: self.refused.emit(self.plainly(*said)))  # fmt: skip
 
     def offer(self, shapes: Iterable[tuple[str, SegmentedShape]]) -> None:
         """Shapes that are at hand anyway, with the hashes of their meshes."""
@@ -363,6 +363,10 @@ class VotingDesk(QObject):
         self.tell(sentence, details)
 
     def tell(self, sentence: str, details: str) -> None:
-        """Say what went wrong; of a fault that nobody foresaw without its technical part, which can be copied."""
+        """Say what went wrong."""
+        self.failed.emit(self.plainly(sentence, details))
+
+    def plainly(self, sentence: str, details: str) -> str:
+        """What to say of a fault: of one that nobody foresaw without its technical part, which can be copied."""
         self.details = "" if not unforeseen(sentence) else details if self._shared else fault_report(details)
-        self.failed.emit(unknown_trouble(sentence))
+        return unknown_trouble(sentence)

@@ -12,7 +12,7 @@ UNKNOWN = (
 )
 _FRAME = re.compile(r'\s*File "(.+)", line (\d+), in (\S+)')
 _ERROR = re.compile(r"[A-Za-z_][\w.]*(?:Error|Exception|BadInput|BadParameter|Timeout|NotFound)\b")
-_OWN_WORDS = ("sqlite3.", "psycopg.OperationalError")  # their messages name tables and columns, never what these hold
+_OWN_WORDS = "sqlite3."  # its messages name tables and columns, never what these hold
 
 
 def unforeseen(sentence: str) -> bool:

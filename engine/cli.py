@@ -6,12 +6,12 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .errors import Cancelled, ConcordError
+from .errors import BadParameter, Cancelled, ConcordError
 from .progress import Progress
 from .store import output_folder
 
 if TYPE_CHECKING:
-    from cyclopts import App
+    from cyclopts import App, Token
 
 
 def run(app: "App", arguments: Sequence[str] | None = None) -> int:
@@ -45,6 +45,14 @@ def _words(error: Exception) -> str:
     if isinstance(error.__cause__, ValidationError) and isinstance(model, type) and issubclass(model, Parameters):
         return sentence(model, error.__cause__)
     return " ".join(str(error).split())
+
+
+def whole_number(_: object, tokens: "Sequence[Token]") -> int:
+    """Read an option that takes whole numbers alone, which would otherwise be rounded in silence."""
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise BadParameter(f"{tokens[0].keyword} takes a whole number, not {tokens[0].value!r}.") from None
 
 
 def complain(sentence: str) -> int:

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 
 from cyclopts import App, Parameter
 
-from engine.cli import progress_bar
+from engine.cli import progress_bar, whole_number
 from engine.errors import BadInput, BadParameter
 from engine.progress import Progress, share
 
@@ -31,6 +31,7 @@ from .topup import name_gold, name_practice, top_up, top_up_study
 SetName = Annotated[str, Parameter(name="--set", help="Name of the set (a row group of the table).")]
 Results = Annotated[list[str] | None, Parameter(negative=())]
 Many = Annotated[list[str] | None, Parameter(negative="", consume_multiple=True)]
+Whole = Annotated[int | None, Parameter(converter=whole_number)]
 Tables = Annotated[list[Path] | None, Parameter(negative="", consume_multiple=True)]
 Options = Annotated[Design, Parameter(name="*")]
 DEFAULT = Design()
@@ -141,7 +142,7 @@ def add(file: str, results: list[str], /, *, set_name: SetName = "", shapes: Tab
         print(line)
 
 
-def top_up_command(file: str, new: str | None = None, /, *, most: int | None = None, name: str = "") -> None:
+def top_up_command(file: str, new: str | None = None, /, *, most: Whole = None, name: str = "") -> None:
     """Ask the matches of a study that are not asked yet, or make a study NEW of all that have no vote.
 
     Matches judged already keep their votes and are not asked again. NEW can be merged back with `concord study merge`.
@@ -169,7 +170,7 @@ def top_up_command(file: str, new: str | None = None, /, *, most: int | None = N
 
 
 def gold(
-    file: str, answers: Path | None = None, /, *, from_study: Annotated[str, Parameter(name="--from")] = "", most: int | None = None
+    file: str, answers: Path | None = None, /, *, from_study: Annotated[str, Parameter(name="--from")] = "", most: Whole = None
 ) -> None:
     """Make matches of a study gold: everybody is asked about them, and who fails is flagged.
 
@@ -188,7 +189,7 @@ def gold(
 
 
 def practice(
-    file: str, answers: Path | None = None, /, *, from_study: Annotated[str, Parameter(name="--from")] = "", most: int | None = None
+    file: str, answers: Path | None = None, /, *, from_study: Annotated[str, Parameter(name="--from")] = "", most: Whole = None
 ) -> None:
     """Make matches without a vote practice items: everybody begins with them, and they count in no table.
 

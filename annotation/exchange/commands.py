@@ -6,7 +6,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from engine.cli import results_folder
+from engine.cli import results_folder, whole_number
 from engine.errors import BadParameter
 
 from ..study import open_study, shown_place, volunteers
@@ -19,6 +19,7 @@ from .exporting import export as write_export
 from .forgetting import forget as forget_volunteer
 from .packets import make_packet
 
+Whole = Annotated[int | None, Parameter(converter=whole_number)]
 Flag = Annotated[bool, Parameter(negative=())]
 
 
@@ -28,7 +29,7 @@ def mount(app: App) -> None:
         app.command(command)
 
 
-def packet(study: str, volunteer: str, /, *, out: Path, items: int | None = None, new: Flag = False) -> None:
+def packet(study: str, volunteer: str, /, *, out: Path, items: Whole = None, new: Flag = False) -> None:
     """Write a file that holds what VOLUNTEER is still to be asked and nothing else; merge it when it comes back.
 
     Parameters

@@ -104,6 +104,8 @@ def test_a_sample_and_its_top_ups(tmp_path, results, capsys):
     file = tmp_path / "a.study"
     assert "A sample of 2 of 4 matches is asked." in run(capsys, "create", file, results, "--most", 2)
     assert "say how many more" in fails(capsys, "top-up", file)
+    for number in ("1.5", "x", "1e3", ""):
+        assert f"--most takes a whole number, not '{number}'." in fails(capsys, "top-up", file, "--most", number)
     assert "1 more match asked" in run(capsys, "top-up", file, "--most", 1)
     said = run(capsys, "top-up", file, tmp_path / "rest.study", "--most", 0, "--name", "Rest")
     assert f"{tmp_path}/rest.study: 4 matches of {file} without a vote." in said

@@ -36,6 +36,7 @@ def test_a_packet_goes_out_and_comes_back(tmp_path, file, capsys):
 def test_what_a_packet_cannot_be_is_told(tmp_path, file, capsys):
     out = ("--out", tmp_path / "p.db")
     assert "at least 1" in fails(capsys, "packet", file, "bert", *out, "--new", "--items", 0)
+    assert "--items takes a whole number, not '2.5'" in fails(capsys, "packet", file, "bert", *out, "--new", "--items", 2.5)
     assert "no volunteer code" in fails(capsys, "packet", file, "b e", *out)
     assert "exists already" in fails(capsys, "packet", file, "bert", "--new", "--out", file)
     strip_study(tmp_path / "bare.db", kept=False).close()

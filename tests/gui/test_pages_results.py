@@ -306,7 +306,17 @@ def test_a_narrow_table_shows_the_numbers_of_an_interval_without_a_line(judged, 
     assert table.columnWidth(INTERVAL) >= NUMBERS
     assert (table.columnWidth(INTERVAL) >= NUMBERS + LINE) == drawn
     assert table.isColumnHidden(PRESET)  # it says the same as the method in every row
-    assert judged.precision.splitter.sizes()[0] > judged.precision.splitter.sizes()[1]
+
+
+def test_a_short_table_leaves_its_room_to_the_plot_and_a_long_one_gets_the_larger_part(judged):
+    section, rows = judged.precision, judged.content.rows
+    table, plot = section.splitter.sizes()
+    assert table < plot
+    section.show_content(judged.content._replace(rows=rows * 12))
+    QApplication.processEvents()
+    table, plot = section.splitter.sizes()
+    assert table > plot
+    assert section.table.height() > 8 * section.table.rowHeight(0)
 
 
 def test_endings_of_meshes_are_left_out_of_the_list_of_disputed():

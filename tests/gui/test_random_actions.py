@@ -10,6 +10,7 @@ from engine.shapes.families.collection import off_text
 from gui import actions
 from gui.main_window import MainWindow
 from gui.pages.shapes.arrange import SHOWN
+from gui.pages.study.wizard import StudyWizard
 
 ACTIONS = 300
 
@@ -58,7 +59,7 @@ class Hands:
         window.segments.ask = lambda _text, _more, answers: rng.choice(list(answers))
         self.commands = [row.id for row in actions.TABLE if row.id not in ("quit", "solve", "alone")]
         self.kinds = (self.command, self.command, self.command, self.slide, self.prefer, self.look, self.segment, self.support,
-                      self.part, self.edit_segments, self.number, self.collection_value, self.drop, self.results)  # fmt: skip
+                      self.part, self.edit_segments, self.number, self.collection_value, self.drop, self.results, self.plan)  # fmt: skip
 
     def __call__(self):
         self.rng.choice(self.kinds)()
@@ -120,6 +121,23 @@ class Hands:
         self.window.show_page("results")
         self.rng.choice((*page.bar.buttons.values(), page.precision.thesis)).click()
         page.volunteers.buttons[self.rng.choice(("packet", "merge", "invite"))].click()
+
+    def plan(self):
+        """Wander about in the steps of a new study, with whatever the window shows, and leave it."""
+        self.window.studies.new_study()
+        wizard = [one for one in self.window.findChildren(StudyWizard) if not one.gone][-1]
+        rows = [row for step in wizard.steps if hasattr(step, "form") for row in step.form.rows.values()]
+        rows += wizard.sample.expectations.rows.values()
+        for _ in range(12):
+            row = self.rng.choice(rows)
+            self.rng.choice((
+                lambda: wizard.go(self.rng.randrange(5)), wizard.forward, wizard.back.click, wizard.sample.use.click,
+                lambda: self.rng.choice([*wizard.checks.source.buttons.values(), *wizard.place.ways.buttons.values()]).click(),
+                lambda row=row: row.show_value(self.rng.choice(("", "x" * 500, "=1")) if row.text else self.rng.choice((0, 1, 9))),
+            ))()  # fmt: skip
+            if wizard.number == len(wizard.steps) - 1:  # nothing is made here
+                wizard.show_step(0)
+        QApplication.processEvents()
 
     def drop(self):
         broken = self.meshes[0].replace("long.off", "broken.off")

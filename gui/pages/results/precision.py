@@ -138,8 +138,8 @@ class PrecisionSection(QWidget):
 
     def _lay_out(self) -> None:
         self.table.verticalHeader().setDefaultSectionSize(DENSE)
-        above, below = QWidget(self), QWidget(self)
-        column = QVBoxLayout(above)
+        self.above, below = QWidget(self), QWidget(self)
+        column = QVBoxLayout(self.above)
         column.setContentsMargins(0, 0, 0, 4)
         column.setSpacing(8)
         for widget, stretch in ((self.table, 1), (self.as_thesis, 1), (self.notes, 0)):
@@ -154,7 +154,7 @@ class PrecisionSection(QWidget):
         column.addLayout(row)
         column.addWidget(self.plot, 1)
         self.splitter = QSplitter(Qt.Orientation.Vertical, self)
-        for part in (above, below):
+        for part in (self.above, below):
             self.splitter.addWidget(part)
         self.splitter.setSizes([620, 380])
         self.splitter.setStretchFactor(0, 62)
@@ -177,6 +177,7 @@ class PrecisionSection(QWidget):
         self.as_thesis.setVisible(thesis)
         if isinstance(content, Findings):
             self.as_thesis.show_tables(tables(content, "precision"))
+            self.above.setMaximumHeight(self.as_thesis.widget().sizeHint().height() + 16)
             self._plot((*content.rows, *content.chosen))
             return bool(content.rows or content.chosen)
         self.content = content
@@ -192,6 +193,7 @@ class PrecisionSection(QWidget):
             row.parameter_sets > 1 for row in content.rows) else ""  # fmt: skip
         legend = "The dot is the precision, the line its 95 % interval, the band what the undecided could make of it.\n"
         self.notes.setText(legend + starred + content.agreement)
+        self.above.setMaximumHeight(self.table.maximumHeight() + self.notes.sizeHint().height() + 24)  # few rows leave the rest
         self._plot(content.rows)
         return bool(content.rows)
 

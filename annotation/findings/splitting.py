@@ -26,7 +26,8 @@ def split(votes: Votes, count: int, seed: int = 0) -> Split:
         raise BadParameter(f"{count} of {len(pairs)} pairs cannot be held out; hold out at least 1 and leave at least 1.")
     chosen = frozenset(pairs[:count])
     parts = [
-        votes._replace(results=tuple(r for r in votes.results if (r.pair in chosen) is inside)) for inside in (True, False)
+        votes._replace(results=tuple(r for r in votes.results if (r.pair in chosen) is inside), held_out=inside)
+        for inside in (True, False)
     ]
     names = sorted({result.name or result.pair[:12] for result in parts[0].results})
     return Split(parts[0], parts[1], tuple(names))

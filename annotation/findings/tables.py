@@ -18,6 +18,8 @@ Values = tuple[tuple[str, ...], list[tuple[object, ...]]]
 
 CHOSEN = ("Votes, people's wishes or a truth had a part in what these methods propose; such figures flatter, and are not to be "
           "set beside those of fixed parameters.")  # fmt: skip
+CHOSEN_ELSEWHERE = ("Votes, people's wishes or a truth had a part in what these methods propose. These pairs were held out: figures of "
+                    "parameters that were chosen without them are fair; where people guided a method they flatter even so.")  # fmt: skip
 RECALL = ("Of the distinct correct matches that any method of the study found, those that this one found, on pairs where several "
           "methods ran and every proposal of each has been seen. What no method proposed is not in it.")  # fmt: skip
 AGREEMENT = ("Pairs of answers to the same match; abstentions are left out. Alpha is Krippendorff's for nominal answers; it is not "
@@ -38,6 +40,7 @@ COMPARED = ("Difference of precision in points, second less first, on pairs wher
             "numbers, adjusted likewise; it takes matches as independent, which those of one pair seldom are. No p below 6 "
             "pairs.")  # fmt: skip
 TUNED = " † Parameters chosen on votes or a truth: the figure flatters."
+TUNED_ELSEWHERE = " † Parameters chosen on votes or a truth; the figure is fair if these pairs had no part in it."
 SENSITIVITY = "The range of precision when each volunteer in turn is left out, and whose leaving moves it most."
 MODEL = (" The model of Dawid and Skene weighs volunteers by their reliability; its figure is the mean probability of being correct of "
          "all matches with a vote for or against, ties too.")  # fmt: skip
@@ -60,7 +63,8 @@ def values(found: Findings, section: Section = "precision") -> Values:
 
 def _precision(found: Findings) -> list[Table]:
     chosen = plain_table("Precision of methods whose parameters or results were chosen with help", found.chosen)
-    extra = [chosen._replace(remark=f"{CHOSEN} {chosen.remark}")] if found.chosen else []
+    told = CHOSEN_ELSEWHERE if found.held_out else CHOSEN
+    extra = [chosen._replace(remark=f"{told} {chosen.remark}")] if found.chosen else []
     if found.preset == "thesis":
         table = set_table(THESIS, found.sets, digits=3)
         remark = f"{table.remark} Averages leave out sets without a decided match." if found.sets else "The study has no results yet."
@@ -131,7 +135,9 @@ def _disputed(found: Findings) -> list[Table]:
 
 def tuned_note(found: Findings) -> str:
     """What the mark of methods with chosen parameters says, where one has it."""
-    return TUNED if any(marked_name(row).endswith("†") for row in found.chosen) else ""
+    if not any(marked_name(row).endswith("†") for row in found.chosen):
+        return ""
+    return TUNED_ELSEWHERE if found.held_out else TUNED
 
 
 def _marked(found: Findings) -> dict[Method, str]:

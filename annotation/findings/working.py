@@ -51,7 +51,7 @@ class Findings(NamedTuple):
     a part: they are reported apart. `compared` has every two methods, `left_out` a line for each of `rows` and `chosen`,
     `modelled` the same under Dawid and Skene's `model` (None with fewer than three volunteers), `disputed` the most
     divided matches, most divided first, `sets` what the thesis's tables show of `rows`. `adaptive` says that further votes
-    were asked only where the first ones differ.
+    were asked only where the first ones differ, `held_out` that the pairs are those on which nothing was chosen.
     """
 
     study: str
@@ -67,6 +67,7 @@ class Findings(NamedTuple):
     disputed: tuple[Disputed, ...]
     sets: tuple[SetPrecision, ...]
     adaptive: bool
+    held_out: bool = False
 
 
 class Votes(NamedTuple):
@@ -81,6 +82,7 @@ class Votes(NamedTuple):
     comments: Mapping[str, tuple[str, ...]]
     kinds: Mapping[str, str]
     later: frozenset[str] = frozenset()
+    held_out: bool = False
 
 
 def findings(handle: StudyHandle, *, preset: Preset = "modern", chosen: Collection[str] = ()) -> Findings:
@@ -118,7 +120,7 @@ def worked_out(votes: Votes, *, preset: Preset = "modern", chosen: Collection[st
         agreement_rows(mine, votes.overlapped & items, sets), volunteer_agreement(mine), compared(results, cast, votes.weights),
         leave_one_out(results, mine, votes.weights), modelled(results, rows, model, votes.weights), model,
         disputed(votes, {item: cast[item] for item in items if item in cast}), tuple(set_precisions(results, fixed)),
-        votes.adaptive,
+        votes.adaptive, votes.held_out,
     )  # fmt: skip
 
 

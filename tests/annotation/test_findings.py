@@ -116,6 +116,21 @@ def test_chosen_methods_bear_a_mark_wherever_they_stand_beside_fixed_ones():
     assert "n† · lamps" in chart
 
 
+def test_figures_of_pairs_held_out_are_not_said_to_flatter():
+    """Parameters that were chosen on the other pairs are judged fairly on these."""
+    results = [ran(method, pair, f"{pair}a {pair}b") for method in "mn" for pair in "pqr"]
+    parts = split(read(results, cast(**{f"{pair}{end}": "ccw" for pair in "pqr" for end in "ab"})), 1)
+    held, others = ({t.title: t.remark for t in tables(worked_out(part, chosen=["n"]))} for part in parts[:2])
+    for title, fair, flatters in (
+        ("Precision of methods whose parameters or results were chosen with help", "are fair", "such figures flatter"),
+        ("How far the figures hang on single volunteers", "fair if these pairs", "the figure flatters"),
+    ):
+        assert fair in held[title]
+        assert flatters not in held[title]
+        assert flatters in others[title]
+        assert fair not in others[title]
+
+
 def test_alpha_that_is_not_defined_is_said_so():
     (table,) = tables(worked_out(read([ran("m", "p", "a b")], cast(a="cc", b="cc"))), "agreement")
     assert table.rows == [("all matches", "2", "4", "100.0", "not defined")]

@@ -385,6 +385,9 @@ def test_it_fits_small_screens(windows, path, make_bar, qtbot, size):
     press(qtbot, window, K.Key_J)
     QApplication.processEvents()
     small = window.screen.small
+    small.counter.setText("137 of 240, about 125 min left")
+    small.mark_comment(True)
+    small.saved.setText("no answer to take back" if size != SMALLEST else "saved ✓")
     assert small.minimumSizeHint().width() <= small.width()
     assert ("(Backspace)" in small.tools["undo"].text()) == (size != SMALLEST)
     assert window.minimumSizeHint().width() <= 1024

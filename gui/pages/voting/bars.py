@@ -206,14 +206,15 @@ def screen_style(colours: Theme) -> str:
     QLabel#notice-heading {{ font-size: 26px; font-weight: 600; }}
     QLabel#notice-text {{ font-size: 16px; }}
     QLabel#trouble {{ color: {colours.wrong}; font-size: 15px; }}
-    QLabel#soft {{ color: {colours.soft_ink}; font-size: 14px; }}
+    QWidget#trouble-bar QLabel, QWidget#trouble-bar QPushButton {{ font-size: 14px; }}
+    QLabel#soft {{ color: {colours.soft_ink}; font-size: 13px; }}
     QPushButton#primary {{ background: {colours.accent}; color: {colours.on_accent}; border-color: {colours.accent};
                            font-size: 16px; }}
     QPushButton#primary:focus {{ border: 3px solid {colours.ink}; }}
     QPushButton#secondary {{ font-size: 15px; }}
     QPushButton#secondary:focus {{ border: 2px solid {colours.accent}; }}
     QPushButton#plain {{ border: 1px solid transparent; background: transparent; color: {colours.soft_ink}; padding: 2px 6px;
-                         font-size: 14px; }}
+                         font-size: 13px; }}
     QPushButton#plain:hover {{ color: {colours.ink}; text-decoration: underline; }}
     QPushButton#plain:focus {{ border-color: {colours.accent}; color: {colours.ink}; }}
     QLineEdit {{ font-size: 15px; padding: 4px 8px; }}

@@ -260,7 +260,7 @@ class VotingScreen(QWidget):
         self.comment.hide()
         self.setFocus()
         self.small.mark_comment(bool(text))
-        self.small.saved.setText("comment goes with your answer" if text else "")
+        self.small.saved.setText("comment kept" if text else "")
 
     def _saved(self, words: str) -> None:
         self.trouble.hide()

@@ -24,8 +24,8 @@ RECALL = ("Of the distinct correct matches that any method of the study found, t
           "methods ran and every proposal of each has been seen. What no method proposed is not in it.")  # fmt: skip
 AGREEMENT = ("Pairs of answers to the same match; abstentions are left out. Alpha is Krippendorff's for nominal answers; it is not "
              "defined where all answers are equal.")  # fmt: skip
-ADAPTIVE = (" Where two volunteers differ a third is asked, so disputed matches have more answers than others: that shifts alpha "
-            "over all matches")  # fmt: skip
+ADAPTIVE = (" Where the first volunteers differ another one is asked, so disputed matches have more answers than others: that shifts "
+            "alpha over all matches")  # fmt: skip
 QUOTE = (", and the overlapped ones, which get all votes, are the figure to quote.",
          "; no match was marked to get all votes even so, which would tell.")  # fmt: skip
 VOLUNTEERS = ("With the majority of the others: matches on which the others are tied are left out. Pairwise: each own vote beside each "

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Literal, NamedTuple
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 
 from engine.evaluation.thesis_tables import SetPrecision
 
@@ -51,7 +51,8 @@ class Findings(NamedTuple):
     a part: they are reported apart. `compared` has every two methods, `left_out` a line for each of `rows` and `chosen`,
     `modelled` the same under Dawid and Skene's `model` (None with fewer than three volunteers), `disputed` the most
     divided matches, most divided first, `sets` what the thesis's tables show of `rows`. `adaptive` says that further votes
-    were asked only where the first ones differ, `held_out` that the pairs are those on which nothing was chosen.
+    are asked where the first ones differ (by the design, at ties, of adjudicators), `held_out` that the pairs are those on
+    which nothing was chosen.
     """
 
     study: str
@@ -100,11 +101,14 @@ def read_votes(handle: StudyHandle) -> Votes:
         said = connection.execute(
             select(vote.item_id, vote.comment).where(vote.round == 1, vote.comment != "").order_by(vote.created_at, vote.uuid)
         ).all()
+        referees = connection.scalar(select(func.count()).where(schema.volunteer.c.adjudicates == 1))
         kinds = {row.id: row.kind for row in connection.execute(select(schema.item.c.id, schema.item.c.kind))}
+    # An even number of votes can be tied, and a tie gets one more.
+    disputed_more = bool((study.votes and (study.adaptive or study.votes % 2 == 0)) or referees)
     comments: dict[str, tuple[str, ...]] = {}
     for row in said:
         comments[row.item_id] = (*comments.get(row.item_id, ()), row.comment)
-    return Votes(study.name, bool(study.votes and study.adaptive), results, cast, weights, twice, comments, kinds, later)
+    return Votes(study.name, disputed_more, results, cast, weights, twice, comments, kinds, later)
 
 
 def worked_out(votes: Votes, *, preset: Preset = "modern", chosen: Collection[str] = ()) -> Findings:

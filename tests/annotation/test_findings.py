@@ -20,6 +20,7 @@ from annotation.findings.splitting import split
 from annotation.findings.tables import tables, values
 from annotation.findings.working import findings, worked_out
 from annotation.storage import schema
+from annotation.voting.volunteers import make_adjudicator
 from engine.errors import BadParameter
 from engine.evaluation.tables import Table, split_wide
 
@@ -67,6 +68,18 @@ def test_what_is_read_of_a_study(tmp_path):
     assert not found.adaptive
 
 
+@pytest.mark.parametrize(
+    ("votes", "adaptive", "referee", "told"),
+    [(3, True, False, True), (3, False, False, False), (2, False, False, True), (0, True, False, False), (3, False, True, True)],
+)
+def test_disputed_matches_get_more_votes_by_design_at_ties_and_by_adjudicators(tmp_path, votes, adaptive, referee, told):
+    with study.create_study(tmp_path / "a.db", name="A", votes=votes, adaptive=adaptive) as handle:
+        study.volunteer(handle, "anna")
+        if referee:
+            make_adjudicator(handle, "zoe")
+        assert findings(handle).adaptive is told
+
+
 def test_files_and_servers_give_the_same_figures(place):
     with study.create_study(place, name="Lamps", votes=3, seed="s") as handle:
         for run in (run_of("lamps", "p", ["a", "b", "c"]), run_of("lamps", "p", ["a", "d"], "other")):
@@ -98,9 +111,9 @@ def test_tables_say_what_the_figures_are():
     assert "flatter" in found["Precision of methods whose parameters or results were chosen with help"].remark
     assert len(found["Volunteers"].head) == 7
     assert all(len(row) == len(table.head) for table in found.values() for row in table.rows)
-    assert "third is asked" not in found["Agreement"].remark
+    assert "another one is asked" not in found["Agreement"].remark
     adaptive = tables(worked_out(read(RESULTS, VOTES, adaptive=True)), "agreement")
-    assert "third is asked" in adaptive[0].remark
+    assert "another one is asked" in adaptive[0].remark
 
 
 def test_chosen_methods_bear_a_mark_wherever_they_stand_beside_fixed_ones():

@@ -98,10 +98,12 @@ def copy_study(handle: StudyHandle, path: Path, changing: Unchanged) -> None:
 
 
 def _copy(connection: Connection, fresh: Connection, changing: Unchanged) -> None:
+    """All rows, what others refer to first: on a server the votes lie in no order."""
     for table in schema.metadata.sorted_tables:
         if table is schema.blob:
             continue
-        rows = [dict(row._mapping) for row in connection.execute(select(table))]
+        query = select(table).order_by(schema.event.c.clock, schema.event.c.uuid) if table is schema.event else select(table)
+        rows = [dict(row._mapping) for row in connection.execute(query)]
         if changed := changing.rows(table.name, rows):
             fresh.execute(insert(table), changed)
     for key in connection.scalars(select(schema.blob.c.key).order_by(schema.blob.c.key)).all():

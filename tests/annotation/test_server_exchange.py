@@ -46,6 +46,15 @@ def file(tmp_path) -> Path:
     return tmp_path / "a.db"
 
 
+def test_a_vote_that_lies_behind_the_one_in_its_place_is_archived(address, tmp_path):
+    with study.open_study(address) as handle:
+        with handle.rewriting() as connection:  # a server puts a row that is changed behind all others
+            connection.exec_driver_sql("UPDATE event SET comment = 'moved' WHERE uuid IN (SELECT supersedes FROM event)")
+        archive(handle, tmp_path / "a.zip")
+    unpack(tmp_path / "a.zip", tmp_path / "out")
+    assert content(tmp_path / "out" / "study.db")["event"] == on_server(address)["event"]
+
+
 @pytest.fixture
 def address(file, database) -> str:
     with study.open_study(file, backup=False) as handle:

@@ -89,6 +89,10 @@ class Jobs(QObject):
         jobs = [*self._waiting, *([self._running] if self._running else [])]
         return any(not job.stop.is_set() and channel in ("", job.channel) for job in jobs)
 
+    def stopping(self) -> bool:
+        """Whether a job that was cancelled has not come to its end yet."""
+        return self._running is not None and self._running.stop.is_set()
+
     def cancel(self, channel: str = "") -> None:
         """Drop what waits and stop what runs, all or one channel, as soon as it next reports progress."""
         self._waiting = [job for job in self._waiting if channel not in ("", job.channel)]

@@ -458,6 +458,24 @@ def test_long_work_can_be_stopped(bars, qtbot):
     held.set()
 
 
+def test_what_could_not_be_stopped_in_time_is_told_as_done(bars, qtbot, tmp_path):
+    began, go_on = threading.Event(), threading.Event()
+
+    def deaf(handle, progress):
+        began.set()
+        go_on.wait(20)
+        return "one.zip is written."
+
+    bars.studies.run("Packing", deaf)
+    assert began.wait(20)
+    bars.stop()
+    assert bars.status.text.text() == "Stopping …"
+    go_on.set()
+    qtbot.waitUntil(lambda: bars.status.text.text() != "Stopping …", timeout=20_000)
+    assert bars.status.text.text() == "It was done before it could be stopped. one.zip is written."
+    settle(bars, qtbot)
+
+
 def test_without_a_study_commands_say_what_to_do(window):
     handle, window.judging.handle = window.judging.handle, None
     for name in ("top-up", "send-packet", "take-in", "invite", "export-votes", "archive", "datasheet", "report-csv"):

@@ -38,7 +38,7 @@ class StudyDesk(QObject):
         window.status.follow(self.jobs)
         self.watch = StudyWatch(window.judging, self)
         self.making, self.people, self.exports = StudyMaking(self), StudyPeople(self), StudyExports(self)
-        self._stopped, self._wanted = False, ""
+        self._stopped, self._wanted, self._done = False, "", ""
         window.session.changed.connect(self._select_wanted)
         self._warned: set[str] = set()
         window.judging.opened.connect(self._opened)
@@ -61,10 +61,17 @@ class StudyDesk(QObject):
         if handle is not None:
             self.window.messages.dismiss()
             self.window.status.text.setText("")  # what was done before says nothing of this
-            self.jobs.start("study", lambda progress: work(handle, progress), self.say_done, words=words, policy=QUEUE)
+            self._done = ""
+
+            def whole(progress: Progress) -> str:
+                self._done = work(handle, progress)
+                return self._done
+
+            self.jobs.start("study", whole, self.say_done, words=words, policy=QUEUE)
 
     def say_done(self, sentence: str) -> None:
         """Say what was done, and read the votes again."""
+        self._done = ""
         self.window.status.text.setText(sentence)
         self.window.judging.refresh()  # which counts anew what is judged; the sentence comes after that
         self.window.judging.ask(lambda _: None, lambda _: self.window.status.text.setText(sentence))
@@ -200,9 +207,10 @@ class StudyDesk(QObject):
         self.jobs.cancel()
 
     def _refresh_after_stop(self) -> None:
-        if self._stopped and not self.jobs.busy():
+        if self._stopped and not self.jobs.busy() and not self.jobs.stopping():
             self._stopped = False
-            self.window.status.text.setText("Stopped.")
+            self.window.status.text.setText(f"It was done before it could be stopped. {self._done}" if self._done else "Stopped.")
+            self._done = ""
             self.window.judging.refresh()
 
     def close(self) -> None:

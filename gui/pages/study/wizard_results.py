@@ -71,7 +71,7 @@ class ResultsStep(QWidget):
         line = self.table.rowCount()
         self.table.setRowCount(line + 1)
         sets = list(dict.fromkeys(run.set_name for run in source.runs))
-        for column, text in enumerate((source.title, sets[0] if len(sets) == 1 else f"{len(sets)} sets", counts_text([source]))):
+        for column, text in enumerate((source.title, sets[0] if len(sets) == 1 else f"{len(sets)} sets", "  " + counts_text([source]))):
             item = QTableWidgetItem(text)
             flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
             item.setToolTip(text)

@@ -110,7 +110,9 @@ def report(handle: StudyHandle, progress: Progress, path: Path, style: str, sect
         write_atomically(path, as_csv((VALUES_HEAD, [overview_values(row) for row in overview(handle)])))
         return f"Written to {path}"
     found = findings(handle, preset=preset)
-    write_atomically(path, report_text(handle, progress, found, style, section))
+    text = report_text(handle, progress, found, style, section)
+    progress(0.95, "Writing")
+    write_atomically(path, text)
     return f"Written to {path}"
 
 
@@ -136,7 +138,9 @@ def figure(handle: StudyHandle, progress: Progress, path: Path) -> str:
     progress(0.1, "Working out the figures")
     rows = precision_table(handle)
     progress(0.6, "Drawing")
-    write_atomically(path, figure_bytes(marks(rows), path.suffix.lower().lstrip(".")))
+    drawn = figure_bytes(marks(rows), path.suffix.lower().lstrip("."))
+    progress(0.95, "Writing")
+    write_atomically(path, drawn)
     return f"Written to {path}"
 
 

@@ -128,9 +128,17 @@ def clean_backups(handle: StudyHandle) -> Cleaned:
             _clean(copy, rows)
             rewritten.append(copy)
         except BadInput:
-            copy.unlink(missing_ok=True)
+            _remove(copy)
             removed.append(copy)
     return Cleaned(tuple(rewritten), tuple(removed))
+
+
+def _remove(copy: Path) -> None:
+    try:
+        copy.unlink(missing_ok=True)
+    except OSError as error:
+        raise BadInput(f"{copy} still names the volunteer and cannot be removed ({error.strerror}); make its folder writable "
+                       "and do this again.") from None  # fmt: skip
 
 
 def _older_without(copy: Path, buried: Tombstones) -> bool:

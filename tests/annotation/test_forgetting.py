@@ -171,3 +171,20 @@ def test_tombstones_are_joined_alike_in_any_order():
     assert Tombstones("s", [kept]).of(CODE) == Tombstones("s", [kept]).of(kept.pseudonym) == kept
     assert Tombstones("other", [kept]).of(CODE) is None
     assert CODE not in repr(kept)
+
+
+def test_a_backup_that_cannot_be_removed_is_told(tmp_path, monkeypatch):
+    handle = voted(tmp_path / "a.db")
+    with closing(sqlite3.connect(tmp_path / "a.db")) as raw:
+        kept = back_up(raw, tmp_path / "a.db")
+    kept.write_bytes(kept.read_bytes()[:5000])
+
+    def refuse(self: Path, missing_ok: bool = False) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "unlink", refuse)
+    with pytest.raises(BadInput, match=r"still names the volunteer and cannot be removed \(Permission denied\)"):
+        forget(handle, CODE)
+    monkeypatch.undo()
+    assert forget(handle, CODE).backups.removed == (kept,)
+    handle.close()

@@ -125,12 +125,14 @@ def _sensitivity(found: Findings) -> list[Table]:
 
 
 def _disputed(found: Findings) -> list[Table]:
+    said = any(d.comments for d in found.disputed)
     rows = [
-        (d.item[:12], d.pair, ", ".join(d.sets), _shortened(" | ".join(d.comments)), str(d.majority.correct), str(d.majority.wrong),
-         str(d.majority.unsure))
+        (d.item[:12], d.pair, ", ".join(d.sets), *((_shortened(" | ".join(d.comments)),) if said else ()), str(d.majority.correct),
+         str(d.majority.wrong), str(d.majority.unsure))
         for d in found.disputed
     ]  # fmt: skip
-    return [Table("The most disputed matches", ("match", "pair", "set", "comments", "correct", "wrong", "unsure"), rows, 4, DISPUTED)]
+    head = ("match", "pair", "set", *(("comments",) if said else ()), "correct", "wrong", "unsure")
+    return [Table("The most disputed matches", head, rows, 4 if said else 3, DISPUTED)]
 
 
 def tuned_note(found: Findings) -> str:

@@ -129,6 +129,15 @@ def test_chosen_methods_bear_a_mark_wherever_they_stand_beside_fixed_ones():
     assert "n† · lamps" in chart
 
 
+def test_comments_have_a_column_where_there_are_any():
+    silent, loud = (tables(worked_out(read(RESULTS, VOTES, comments=said)), "disputed")[0] for said in ({}, {"b": ("odd", "why?")}))
+    assert silent.head == ("match", "pair", "set", "correct", "wrong", "unsure")
+    assert loud.head[3] == "comments"
+    assert [row[3] for row in loud.rows] == ["odd | why?", "", ""]
+    assert (silent.words, loud.words) == (3, 4)
+    assert [row[:3] + row[4:] for row in loud.rows] == silent.rows
+
+
 def test_figures_of_pairs_held_out_are_not_said_to_flatter():
     """Parameters that were chosen on the other pairs are judged fairly on these."""
     results = [ran(method, pair, f"{pair}a {pair}b") for method in "mn" for pair in "pqr"]

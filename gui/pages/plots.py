@@ -140,8 +140,9 @@ class IntervalPlot(QWidget):
         lines = [(x, m.low, m.high) for x, m in points if m.low is not None and m.high is not None]
         for bars, width, shade in ((bands, 9, band), (lines, 2, colour)):
             if bars:  # one item for all of a series: each item costs as much as a whole curve
-                item.plot([x for x, _, _ in bars for _ in range(2)], [y for _, *ends in bars for y in ends], connect="pairs",
-                          pen=pyqtgraph.mkPen(shade, width=width, capStyle=Qt.PenCapStyle.FlatCap))  # fmt: skip
+                pen = pyqtgraph.mkPen(shade, width=width * self.devicePixelRatioF())  # pyqtgraph counts pixels of the screen
+                pen.setCapStyle(Qt.PenCapStyle.FlatCap)
+                item.plot([x for x, _, _ in bars for _ in range(2)], [y for _, *ends in bars for y in ends], connect="pairs", pen=pen)
         item.plot([x for x, _ in points], [m.share for _, m in points], pen=None, symbol=symbol_of(row)[0],
                   symbolSize=9, symbolBrush=colour, symbolPen=colours.paper)  # fmt: skip
 

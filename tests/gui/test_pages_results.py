@@ -3,6 +3,7 @@
 from datetime import UTC, datetime
 
 import pytest
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QStyledItemDelegate
 from research_world import items_of, judged_study, runs_of_bars
 
@@ -336,6 +337,18 @@ def test_a_plot_is_made_with_the_first_mark_and_given_back(qtbot):
     assert len(plot.plot.getPlotItem().listDataItems()) == 1
     plot.shutdown()
     assert plot.plot is None
+
+
+def test_bands_and_intervals_are_as_wide_on_a_dense_screen_and_end_where_they_end(qtbot, monkeypatch):
+    for ratio in (1.0, 2.0):
+        plot = IntervalPlot("precision, %")
+        qtbot.addWidget(plot)
+        monkeypatch.setattr(plot, "devicePixelRatioF", lambda ratio=ratio: ratio)
+        plot.show_marks([Mark("g", "m", 0.5, 0.2, 0.9, 0.1, 1.0)], False)
+        pens = [curve.opts["pen"] for curve in plot.plot.getPlotItem().listDataItems()[:2]]
+        assert [pen.widthF() for pen in pens] == [9 * ratio, 2 * ratio]
+        assert {pen.capStyle() for pen in pens} == {Qt.PenCapStyle.FlatCap}
+        plot.shutdown()
 
 
 def test_one_choice_is_marked(qtbot):

@@ -84,6 +84,16 @@ def test_a_plan_is_drawn_anew_only_where_it_may_differ(wizard, monkeypatch):
     assert "3 matches to be judged" in wizard.place.summary.text()
 
 
+def test_a_letter_of_the_name_counts_nothing_anew(wizard, monkeypatch):
+    to(wizard, "place")
+    told = []
+    monkeypatch.setattr("gui.pages.study.wizard.plan_text", lambda *a: told.append(a) or plan_text(*a))
+    wizard.place.form.rows["name"].show_value("Lamps")
+    assert told == []
+    wizard.sample.expectations.rows["seconds"].show_value(60.0)
+    assert len(told) == 1
+
+
 def test_nothing_ticked_goes_nowhere(wizard):
     for line in range(2):
         wizard.results.table.item(line, 0).setCheckState(Qt.CheckState.Unchecked)

@@ -71,7 +71,7 @@ class StudyWizard(QDialog):
         self.run, self.own, self.gone = run, own, False
         self.known: dict[str, Practice] = {}
         self.plan: Plan | None = None
-        self._counted, self._planned, self._sources = None, None, ()
+        self._counted, self._planned, self._told, self._sources = None, None, None, ()
         self._truth: tuple[Any, dict[str, Practice] | None] = (None, None)  # of which results; nothing while it is read
         self.results = ResultsStep(sources, self._read, folder, self)
         self.question = FormStep(("question", "guideline", "unsure"), self)
@@ -285,6 +285,9 @@ class StudyWizard(QDialog):
             if key != self._planned:
                 self._planned, self.plan = key, draw_design(runs, design, gold=self.known)
                 self.sample.show_plan(runs, self.plan, design)
+            if self._told == (key, self.sample.expected):
+                return
+            self._told = key, self.sample.expected
             cost = expected_of(self.plan, design, self.sample.expected)
             self.place.summary.setText(plan_text(self._sources, self.plan, cost))
         except ConcordError:

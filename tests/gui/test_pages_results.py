@@ -25,6 +25,7 @@ from gui.pages.results.disputed import short_pair
 from gui.pages.results.match_preview import PICK, files_of, read_match
 from gui.pages.results.page import CHOICES, NO_STUDY, ResultsPage
 from gui.pages.results.precision import INTERVAL, LINE, NUMBERS, PRESET, marks
+from gui.pages.results.tables import TablesView
 from gui.pages.study.volunteers import HEADS, advice, people_cells, summary, when
 from gui.session import Session, State
 
@@ -140,6 +141,20 @@ def test_tables_of_a_section_are_those_that_are_exported(judged, name):
     for widget, table in zip(section.view.tables, found, strict=True):
         assert texts(widget) == [tuple(cell.strip() for cell in row) for row in table.rows]
     assert [remark.text() for remark in section.view.remarks] == [table.remark for table in found]
+
+
+def test_a_wide_table_is_scrolled_by_the_view_and_has_no_bars_of_its_own(judged, qtbot):
+    view = TablesView()
+    qtbot.addWidget(view)
+    view.resize(300, 200)
+    view.show()
+    view.show_tables(tables(findings(judged.judging.handle), "compared"))
+    QApplication.processEvents()
+    (table,) = view.tables
+    assert table.width() >= table.horizontalHeader().length() > view.viewport().width()
+    assert view.horizontalScrollBar().isVisible()
+    assert not table.horizontalScrollBar().isVisible()
+    assert not table.verticalScrollBar().isVisible()
 
 
 def test_figures_follow_votes(judged):

@@ -32,7 +32,7 @@ class TablesView(QScrollArea):
         for table, widget, remark in zip(found, self.tables, self.remarks, strict=True):
             fill(widget, table.rows, table.words)
             fit_width(widget)
-            widget.setMinimumHeight(widget.maximumHeight())
+            widget.setMinimumSize(widget.maximumSize())
             remark.setText(table.remark)
             remark.setVisible(bool(table.remark))
 
@@ -49,6 +49,8 @@ class TablesView(QScrollArea):
             remark.setObjectName("soft")
             remark.setTextFormat(Qt.TextFormat.PlainText)
             widget = quiet_table(table.head, table.words, "", whole)
+            widget.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)  # the view scrolls, with bars that are in sight
+            widget.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
             for part in (heading, widget, remark):
                 column.addWidget(part)
             self.tables.append(widget)

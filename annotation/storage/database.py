@@ -110,9 +110,12 @@ class StudyFile:
     def _packet_of(self) -> str | None:
         """The volunteer that the file is a packet of."""
         with self.reading() as connection:
-            row = connection.execute(select(schema.study)).first()
+            rows = connection.execute(select(schema.study).limit(2)).all()
+        if len(rows) != 1:
+            raise BadInput(f"{self.path} is damaged (it holds no study, or several); use the newest copy in the folder 'backups' "
+                           "beside it.")  # fmt: skip
         try:
-            found = json.loads(row.settings).get("packet") if row is not None else None
+            found = json.loads(rows[0].settings).get("packet")
         except (ValueError, AttributeError):
             raise BadInput(f"{self.path} is damaged (its settings cannot be read); use the newest copy in the folder "
                            "'backups' beside it.") from None  # fmt: skip

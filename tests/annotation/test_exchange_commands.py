@@ -1,7 +1,9 @@
 """`concord study packet`, `export`, `forget`, `archive`, `unpack`: what they print, and one sentence for what cannot be."""
 
 import shlex
+import shutil
 import sqlite3
+from contextlib import closing
 
 import pytest
 from exchange_world import content, ids_of, strip_study
@@ -160,3 +162,15 @@ def test_a_damaged_value_is_told_in_a_sentence(tmp_path, file, capsys, where, co
 def ids_in(file):
     with study.open_study(file) as handle:
         return ids_of(handle)
+
+
+@pytest.mark.parametrize("statement", ["DELETE FROM study", "INSERT INTO study SELECT id || '2', name, question, guideline, seed, "
+                                       "settings, app_version, created_at, votes, adaptive, unsure FROM study"])  # fmt: skip
+def test_a_file_without_a_study_or_with_two_is_told(tmp_path, file, capsys, statement):
+    shutil.copyfile(file, tmp_path / "whole.db")
+    with closing(sqlite3.connect(file)) as raw:
+        raw.execute(statement)
+        raw.commit()
+    for command in (("table", file), ("merge", tmp_path / "whole.db", file), ("merge", file, tmp_path / "whole.db"), ("forget", file, "a"),
+                    ("archive", file, "--out", tmp_path / "a.zip"), ("plan", file), ("top-up", file), ("invite", file, "a")):  # fmt: skip
+        assert "is damaged (it holds no study, or several)" in fails(capsys, *command)

@@ -3,6 +3,7 @@
 import contextlib
 import os
 import sqlite3
+from collections.abc import Iterable
 from pathlib import Path
 
 from engine.errors import BadInput
@@ -74,10 +75,28 @@ def check_inside(path: Path, raw: sqlite3.Connection) -> int:
         )
     raw.execute("PRAGMA trusted_schema=OFF")
     found = raw.execute("PRAGMA integrity_check(1)").fetchone()[0]
-    tables = {name for (name,) in raw.execute("SELECT name FROM sqlite_master")}
+    tables = {name for (name,) in raw.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
     if found != "ok" or version < 1 or not {"study", "item", "event"} <= tables:
         raise BadInput(f"{path} is damaged; {_BACKUPS}")
+    if not _own_rules(raw, version):
+        raise BadInput(f"{path} holds rules of counting that are not Concord's; ask who gave it to you, or {_BACKUPS}")
     return version
+
+
+def _own_rules(raw: sqlite3.Connection, version: int) -> bool:
+    """Whether views and triggers are those that Concord writes: a stranger's could count otherwise, or never end."""
+    rules = raw.execute("SELECT type, name, sql FROM sqlite_master WHERE type IN ('view', 'trigger')").fetchall()
+    if _plain(sql for kind, _, sql in rules if kind == "trigger") != _plain(schema.SQLITE_TRIGGERS):
+        return False
+    if version == schema.SCHEMA_VERSION:
+        return _plain(sql for kind, _, sql in rules if kind == "view") == _plain(schema.VIEWS)
+    ours = {statement.split()[2] for statement in schema.VIEWS}  # the migration makes them anew
+    return {name for kind, name, _ in rules if kind == "view"} <= ours
+
+
+def _plain(statements: Iterable[str]) -> set[str]:
+    """Statements whatever their spaces and line ends."""
+    return {" ".join(statement.split()) for statement in statements}
 
 
 def inode(path: Path) -> tuple[int, int] | None:

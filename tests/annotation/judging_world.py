@@ -1,10 +1,13 @@
 """A small world drawn by hand: two shapes of three parts, results whose matches are known by name."""
 
+import contextlib
 import hashlib
+import sqlite3
 from pathlib import Path
 
 import numpy as np
 
+from annotation.storage import schema
 from annotation.study import StudyHandle, add_result, create_study
 from engine.shapes.identity import match_id
 from engine.shapes.parameters import MatchParameters
@@ -54,3 +57,15 @@ def study_of(path: Path | str, *results: MatchResult, set_name: str = "") -> Stu
     for one in results or (result(*ONE_TO_ONE),):
         add_result(handle, one, set_name=set_name)
     return handle
+
+
+def forged(path: Path, *statements: str, values: tuple[object, ...] = ()) -> None:
+    """Change a closed study file behind the program's back; its rules are as before afterwards."""
+    with contextlib.closing(sqlite3.connect(path)) as raw:
+        for rule in schema.SQLITE_TRIGGERS:
+            raw.execute(f"DROP TRIGGER {rule.split()[2]}")
+        for statement in statements:
+            raw.execute(statement, values)
+        for rule in schema.SQLITE_TRIGGERS:
+            raw.execute(rule)
+        raw.commit()

@@ -93,6 +93,18 @@ def test_a_table_missing(path):
     refused(path, "damaged")
 
 
+@pytest.mark.parametrize("rule", [
+    "DROP VIEW wanted; CREATE VIEW wanted AS WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT x FROM n",
+    "CREATE VIEW votes AS SELECT 1",
+    "DROP TRIGGER event_never_updated",
+    "CREATE TRIGGER more AFTER INSERT ON event BEGIN UPDATE volunteer SET seed = ''; END",
+])  # fmt: skip
+def test_rules_of_a_stranger(path, rule):
+    with contextlib.closing(sqlite3.connect(path)) as raw:
+        raw.executescript(rule)
+    refused(path, "rules of counting that are not Concord's")
+
+
 def test_newer(path):
     with contextlib.closing(sqlite3.connect(path)) as raw:
         raw.execute("PRAGMA user_version=99")

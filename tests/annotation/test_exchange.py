@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from judging_world import LAMP, ONE_TO_ONE, VASE, identity, result, study_of
+from judging_world import LAMP, ONE_TO_ONE, VASE, forged, identity, result, study_of
 
 from annotation import study
 from annotation.exchange.merging import Merged, merge
@@ -111,10 +111,7 @@ def test_a_forged_history_is_refused_whole(tmp_path):
     lived(one, [("anna", 0, "correct")])
     shutil.copy(one, other)
     lived(other, [("bert", 0, "correct")])
-    with closing(sqlite3.connect(other)) as raw:
-        raw.execute("DROP TRIGGER event_never_updated")
-        raw.execute("UPDATE event SET answer = 'wrong' WHERE volunteer = 'anna'")
-        raw.commit()
+    forged(other, "UPDATE event SET answer = 'wrong' WHERE volunteer = 'anna'")
     before = content(one)
     with pytest.raises(BadInput, match="tampered"):
         merge(one, other)

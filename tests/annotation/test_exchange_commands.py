@@ -7,6 +7,7 @@ from contextlib import closing
 
 import pytest
 from exchange_world import content, ids_of, strip_study
+from judging_world import forged
 from test_command_line import fails, run
 
 from annotation import study
@@ -149,10 +150,7 @@ def test_an_archive_can_be_taken_apart(tmp_path, file, capsys):
 def test_a_damaged_value_is_told_in_a_sentence(tmp_path, file, capsys, where, command, text):
     assert run("vote", file, "--volunteer", "anna", "--item", ids_in(file)[0], "--answer", "wrong") == 0
     table, column = where.split(".")
-    with sqlite3.connect(file) as raw:
-        raw.execute("DROP TRIGGER event_never_updated")
-        raw.execute(f"UPDATE {table} SET {column} = ?", (text,))
-        raw.execute("CREATE TRIGGER event_never_updated BEFORE UPDATE ON event BEGIN SELECT RAISE(ABORT, 'never'); END")
+    forged(file, f"UPDATE {table} SET {column} = ?", values=(text,))
     capsys.readouterr()
     more = {"archive": ("--out", tmp_path / "a.zip", "--anonymous")}
     assert "damaged" in fails(capsys, command, file, *more.get(command, ()))

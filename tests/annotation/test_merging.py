@@ -1,14 +1,13 @@
 """Merging any histories in any order gives one study: votes, undos, packets, top-ups, deleted volunteers."""
 
 import shutil
-import sqlite3
 import tempfile
-from contextlib import closing
 from pathlib import Path
 
 import pytest
 from exchange_world import ask, content, diagonal, ids_of, run_of, strip, strip_study
 from hypothesis import HealthCheck, given, settings
+from judging_world import forged
 from merge_histories import HISTORIES, Copies, template
 from rerun_law import reruns
 
@@ -93,15 +92,6 @@ def test_what_does_not_belong_together_is_refused(tmp_path):
             merge(b.path, a.path)
 
 
-def changed(path: Path, statement: str) -> None:
-    """Change a file behind the program's back."""
-    with closing(sqlite3.connect(path)) as raw:
-        for trigger in ("event_never_updated", "event_never_deleted", "event_never_replaced"):
-            raw.execute(f"DROP TRIGGER {trigger}")
-        raw.execute(statement)
-        raw.commit()
-
-
 @pytest.mark.parametrize(
     ("statement", "sentence"),
     [
@@ -114,7 +104,7 @@ def test_histories_that_contradict_are_refused_and_nothing_changes(tmp_path, sta
     with strip_study(tmp_path / "a.db") as handle:
         study.record_vote(handle, ids_of(handle)[0], "anna", "correct")
     shutil.copy(tmp_path / "a.db", tmp_path / "b.db")
-    changed(tmp_path / "b.db", statement)
+    forged(tmp_path / "b.db", statement)
     before = content(tmp_path / "a.db")
     with pytest.raises(BadInput, match=sentence) as told:
         merge(tmp_path / "a.db", tmp_path / "b.db")
@@ -146,10 +136,7 @@ def test_a_packet_with_votes_of_others_is_refused(tmp_path):
         item = ids_of(handle)[0]
     with study.open_study(packet) as handle:
         study.record_vote(handle, item, "anna", "correct")
-    changed(packet, "UPDATE volunteer SET code = 'bert'")
-    with closing(sqlite3.connect(packet)) as raw:
-        raw.execute("UPDATE event SET volunteer = 'bert'")
-        raw.commit()
+    forged(packet, "UPDATE volunteer SET code = 'bert'", "UPDATE event SET volunteer = 'bert'")
     before = content(tmp_path / "a.db")
     with pytest.raises(BadInput, match="holds votes of bert"):
         merge(tmp_path / "a.db", packet)

@@ -21,8 +21,8 @@ from sqlalchemy.exc import DatabaseError, IntegrityError, OperationalError, Prog
 
 from engine.errors import BadInput
 
+from . import backup as backups
 from . import places, schema
-from .backup import back_up, keep_backup
 from .filecheck import check_inside, check_outside, explained, inode, may_write, sealed
 from .migrations import migrate
 
@@ -41,12 +41,14 @@ class StudyFile:
         busy_seconds: float = BUSY_SECONDS,
         *,
         writable: bool = True,
+        backup: bool = False,
         options: str = "mode=rw",
         copy: "tuple[Path, tempfile.TemporaryDirectory[str]] | None" = None,
     ) -> None:
         self.path = path
         self.busy_seconds = busy_seconds
         self.writable = writable
+        self._backup_due = time.monotonic() + backups.EVERY_SECONDS if backup else None
         self._inode = inode(path)
         self._copy = copy
         self._engine = connectable(copy[0] if copy else path, busy_seconds, options)
@@ -77,6 +79,15 @@ class StudyFile:
             raise BadInput(f"{self.path} was moved, deleted or replaced while open; put it back and open it again.")
         with self._told(), self._engine.begin() as connection:
             yield connection
+        self._back_up_in_time()
+
+    def _back_up_in_time(self) -> None:
+        """Keep a copy an hour of a study that stays open, too; what was written is safe without it."""
+        if self._backup_due is None or time.monotonic() < self._backup_due:
+            return
+        self._backup_due = time.monotonic() + backups.EVERY_SECONDS
+        with contextlib.suppress(sqlite3.Error), _raw(self.path, self.busy_seconds) as raw:
+            backups.keep_backup(raw, self.path)
 
     @contextlib.contextmanager
     def rewriting(self) -> Iterator[Connection]:
@@ -166,7 +177,7 @@ def open_file(
             if version < schema.SCHEMA_VERSION:
                 _back_up_first(raw, path, version)
             elif backup:
-                keep_backup(raw, path)
+                backups.keep_backup(raw, path)
             raw.execute("PRAGMA journal_mode=WAL")  # a backup put in place of the study is not in this mode
         if version < schema.SCHEMA_VERSION:
             _migrate(path, busy_seconds)
@@ -174,12 +185,12 @@ def open_file(
         raise BadInput(explained(path, error, busy_seconds)) from error
     except OSError as error:
         raise BadInput(f"{path} cannot be opened ({error.strerror}); make room for a copy, or check its disk.") from None
-    return StudyFile(path, busy_seconds)
+    return StudyFile(path, busy_seconds, backup=backup)
 
 
 def _back_up_first(raw: sqlite3.Connection, path: Path, version: int) -> None:
     try:
-        back_up(raw, path, f"version-{version}")
+        backups.back_up(raw, path, f"version-{version}")
     except OSError as error:
         raise BadInput(f"{path} is of an older version and cannot be backed up ({error.strerror}); make room.") from None
 

@@ -234,7 +234,20 @@ def test_backups_rotate_and_rest(path, monkeypatch):
             study.record_vote(handle, FOOT, "anna", "wrong")
     kept = backup.backups(path)
     assert len(kept) == backup.KEPT
-    assert vote_count(kept[-1]) == 1 + backup.KEPT + 1  # the newest was made before the last vote
+    assert vote_count(kept[-1]) == 1 + backup.KEPT + 2
+
+
+def test_a_study_that_stays_open_is_backed_up_every_hour(path, monkeypatch):
+    passed = [0]
+    monkeypatch.setattr(time, "monotonic", lambda: 60.0 * passed[0])
+    monkeypatch.setattr(time, "time", lambda real=time.time: real() + 60 * passed[0])
+    with study.open_study(path) as handle, study.open_study(path, backup=False) as packet:
+        for minutes, held in ((1, 1), (59, 1), (61, 2), (100, 2), (122, 3)):
+            passed[0] = minutes
+            study.record_vote(handle, FOOT, "anna", "wrong")
+            study.record_vote(packet, FOOT, "bert", "wrong")
+            assert len(backup.backups(path)) == held
+    assert [vote_count(copy) for copy in backup.backups(path)] == [1, 1 + 2 + 2 + 1, 1 + 4 + 4 + 1]
 
 
 def test_a_backup_that_cannot_be_made_does_not_stop_the_work(path):

@@ -112,8 +112,8 @@ def test_copies_go_on_when_the_clock_was_set_back(path, monkeypatch):
             study.record_vote(handle, FOOT, "anna", answer)
         made.append(backup.backups(path)[-1].name)
     assert made[0] < made[1]
-    assert made[0].startswith("lamps.db.20990501T000000.000001")
+    assert made[0].startswith("lamps.db.20990501T000000.000002")  # after the copy of opening that of the vote
     with contextlib.closing(sqlite3.connect(folder / made[1])) as raw:
-        assert raw.execute("SELECT answer FROM event").fetchall() == [("correct",)]  # made before the last vote
+        assert raw.execute("SELECT answer FROM event").fetchall() == [("correct",), ("wrong",)]
     assert len(backup.backups(path)) == backup.KEPT
     assert not (folder / "lamps.db.20990101T000000.000000").exists()

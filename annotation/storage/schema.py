@@ -27,7 +27,7 @@ from sqlalchemy import (
 from sqlalchemy.dialects.postgresql import DOUBLE_PRECISION
 from sqlalchemy.types import TypeEngine
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 2  # a new one for every change of tables, views or triggers: files with other rules are refused
 APPLICATION_ID = 0x436E6364  # "Cncd", in the header of every study file
 
 metadata = MetaData()

@@ -1,5 +1,6 @@
 """Steps between versions run on any database."""
 
+import hashlib
 import re
 import threading
 
@@ -90,3 +91,10 @@ def test_two_who_open_an_older_file_at_once(tmp_path):
         one.join()
     assert refused == []
     assert read == [dict(said.values())] * 4
+
+
+def test_the_rules_of_a_version_stay():
+    """Files with other views or triggers than those of their version are refused: who changes them makes a new version."""
+    rules = " ".join(" ".join((*schema.VIEWS, *schema.SQLITE_TRIGGERS)).split())
+    known = {2: "2970cae721fc500f3f722b4a9b0fb5a4fd83fcf2588f33b75eec6c3a78c27bda"}
+    assert hashlib.sha256(rules.encode()).hexdigest() == known[schema.SCHEMA_VERSION]

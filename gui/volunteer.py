@@ -21,6 +21,7 @@ from .pages.voting.words import NO_CODE
 from .palette import apply_theme, system_is_dark, theme
 
 SMALLEST = (720, 520)
+OPENING = ("One moment", "Opening …")
 
 
 class VolunteerWindow(QMainWindow):
@@ -49,6 +50,7 @@ class VolunteerWindow(QMainWindow):
         self._follow_system = dark is None
         hints.colorSchemeChanged.connect(self._theme_changed)
         self.set_dark(system_is_dark(QApplication.instance()) if dark is None else dark)
+        self.screen.say(*OPENING)
 
     def set_dark(self, dark: bool) -> None:
         """Change between light and dark."""
@@ -67,7 +69,7 @@ class VolunteerWindow(QMainWindow):
         if not self.where:
             self._ask_study()
             return
-        self.screen.say("One moment", "Opening …")
+        self.screen.say(*OPENING)
         where = self.where
         self.opener.start("study", lambda _: opened(where), self._opened, policy=QUEUE,
                           failed=lambda *said: self._ask_study(self.desk.plainly(*said)))  # fmt: skip
@@ -84,7 +86,7 @@ class VolunteerWindow(QMainWindow):
 
     def _vote_as(self, code: str, *, new: bool = False) -> None:
         self.code = code
-        self.screen.say("One moment", "Opening …")
+        self.screen.say(*OPENING)
         self.desk.open(self.handle, code, new=new)
 
     def _ask_study(self, trouble: str = "") -> None:

@@ -12,10 +12,10 @@ from engine.store import output_folder, write_atomically, write_together
 
 from ..exchange.csvtext import csv_text
 from ..study import about, open_study
+from .gathering import Findings, Preset, Votes, read_votes, worked_out
 from .report import Drawn, Style, as_csv, as_html, draw_disputed, lead_of, written
 from .splitting import Split, split
 from .tables import Section, tables, values
-from .working import Findings, Preset, Votes, read_votes, worked_out
 
 if TYPE_CHECKING:
     from engine.evaluation.tables import Table

@@ -13,10 +13,10 @@ from ..storage.handle import StudyHandle
 from ..storage.stamps import app_version
 from ..study import about
 from .datasheet import Known, Sheet, sheet_of
+from .gathering import Findings, findings
 from .overview import VolunteerRow, overview
 from .precision import ALL_SETS, PrecisionRow
 from .tabletext import number, percent, row_name, shown_range
-from .working import Findings, findings
 
 _INPUT = {"shape": "other: 3D shapes as triangle meshes, cut into segments", "puzzle": "visual: pictures cut into pieces"}
 _OUTPUT = {"shape": "other: correspondences between groups of segments of two shapes",

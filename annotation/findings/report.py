@@ -13,9 +13,9 @@ from ..results.shownitems import PartsDrawer, item_picture
 from ..storage.handle import StudyHandle
 from ..voting.answering import item
 from .chart import precision_chart
+from .gathering import Disputed, Findings
 from .tables import Section, Values, tuned_note
 from .tabletext import aligned
-from .working import Disputed, Findings
 
 Style = Literal["text", "csv", "markdown", "latex", "html"]
 _WIDTH = 110

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from engine.errors import BadParameter
 
-from .working import Votes
+from .gathering import Votes
 
 
 class Split(NamedTuple):

@@ -9,8 +9,8 @@ from engine.evaluation.thesis_tables import set_averages, set_table
 
 from .agreement import OVERLAPPED
 from .comparing import Compared, Method
+from .gathering import Findings
 from .tabletext import PRECISION_HEAD, marked_name, number, plain_table, precision_values, shown_range
-from .working import Findings
 
 Section = Literal["all", "precision", "recall", "agreement", "volunteers", "compared", "sensitivity", "disputed"]
 Values = tuple[tuple[str, ...], list[tuple[object, ...]]]

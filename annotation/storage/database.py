@@ -86,7 +86,7 @@ class StudyFile:
         if self._backup_due is None or time.monotonic() < self._backup_due:
             return
         self._backup_due = time.monotonic() + backups.EVERY_SECONDS
-        with contextlib.suppress(sqlite3.Error), _raw(self.path, self.busy_seconds) as raw:
+        with contextlib.suppress(OSError, sqlite3.Error), _raw(self.path, self.busy_seconds) as raw:
             backups.keep_backup(raw, self.path)
 
     @contextlib.contextmanager

@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
+from annotation.findings.gathering import Votes
 from annotation.findings.precision import Ballot, Proposed
-from annotation.findings.working import Votes
 
 WORDS = {"c": "correct", "w": "wrong", "u": "unsure"}
 

@@ -13,12 +13,12 @@ from sqlalchemy import insert
 
 from annotation import study
 from annotation.findings.chart import precision_chart
+from annotation.findings.gathering import findings, worked_out
 from annotation.findings.overview import overview
 from annotation.findings.precision import Ballot
 from annotation.findings.report import Drawn, as_csv, as_html, written
 from annotation.findings.splitting import split
 from annotation.findings.tables import tables, values
-from annotation.findings.working import findings, worked_out
 from annotation.storage import schema
 from annotation.voting.volunteers import make_adjudicator
 from engine.errors import BadParameter

@@ -13,9 +13,9 @@ from design_world import run_of  # noqa: E402
 from sqlalchemy import insert  # noqa: E402
 
 from annotation import study  # noqa: E402
+from annotation.findings.gathering import findings  # noqa: E402
 from annotation.findings.overview import overview  # noqa: E402
 from annotation.findings.precision import ballots, precision_table  # noqa: E402
-from annotation.findings.working import findings  # noqa: E402
 from annotation.storage import schema  # noqa: E402
 
 ITEMS, VOLUNTEERS, METHODS, SETS, PAIRS, EACH = 5000, 12, 3, 3, 30, 60

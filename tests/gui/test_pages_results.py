@@ -10,10 +10,10 @@ from research_world import items_of, judged_study, runs_of_bars
 from annotation import study
 from annotation.design.designing import Design, create_design
 from annotation.design.flags import Disputed
+from annotation.findings.gathering import findings
 from annotation.findings.overview import VolunteerRow
 from annotation.findings.precision import precision_table
 from annotation.findings.tables import tables
-from annotation.findings.working import findings
 from annotation.storage.blobs import keep_shapes
 from annotation.voting.majority import majority_of
 from gui.jobs import Jobs

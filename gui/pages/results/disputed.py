@@ -5,7 +5,7 @@ from pathlib import Path
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSplitter, QVBoxLayout, QWidget
 
-from annotation.findings.working import Disputed, Findings
+from annotation.findings.gathering import Disputed, Findings
 
 from ..quiet_table import fill, quiet_table, still_columns
 from .match_preview import PICK, MatchPreview

@@ -5,7 +5,7 @@ from typing import Any
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenu, QPushButton, QStackedWidget, QVBoxLayout, QWidget
 
-from annotation.findings.working import Findings, findings
+from annotation.findings.gathering import Findings, findings
 from annotation.study import StudyHandle
 
 from ...jobs import FOLLOW, Jobs

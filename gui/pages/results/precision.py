@@ -16,10 +16,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from annotation.findings.gathering import Findings
 from annotation.findings.precision import ALL_SETS, PrecisionRow, ballots, precision_table
 from annotation.findings.tables import tables
 from annotation.findings.tabletext import agreement_line, row_name
-from annotation.findings.working import Findings
 from annotation.study import StudyHandle
 
 from ...palette import theme

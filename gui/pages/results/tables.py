@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QLabel, QScrollArea, QTableWidget, QVBoxLayout, QWidget
 
+from annotation.findings.gathering import Findings
 from annotation.findings.tables import tables
-from annotation.findings.working import Findings
 from engine.evaluation.tables import Table
 
 from ..quiet_table import fill, fit_width, quiet_table

@@ -12,12 +12,12 @@ from annotation.exchange.merging import merge_handles
 from annotation.exchange.packets import make_packet
 from annotation.findings.datasheet import as_json, as_markdown
 from annotation.findings.datasheet_facts import answered
+from annotation.findings.gathering import Findings, findings
 from annotation.findings.overview import overview
 from annotation.findings.overview_tables import VALUES_HEAD, overview_values
 from annotation.findings.precision import precision_table
 from annotation.findings.report import Drawn, as_csv, as_html, draw_disputed, lead_of, written
 from annotation.findings.tables import tables, values
-from annotation.findings.working import Findings, findings
 from annotation.results.proposals import add_run
 from annotation.results.studyruns import item_count
 from annotation.storage.blobs import keep_shapes

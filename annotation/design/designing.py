@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import Connection, delete, insert, select
 
-from engine.errors import BadInput
 from engine.parameters import Parameters, parameter
 from engine.progress import Progress, silent
 
@@ -222,11 +221,3 @@ def judged_counts(handle: StudyHandle) -> tuple[JudgedCount, ...]:
         found.append(JudgedCount(row.id, row.method, row.preset, row.set_name, row.pair, source, target, len(of),
                                  len(open_to), judged))  # fmt: skip
     return tuple(found)
-
-
-def judged_count(handle: StudyHandle, run: str) -> JudgedCount:
-    """The counts of one run, by its id; raises `BadInput` where the study has none such."""
-    for count in judged_counts(handle):
-        if count.run_id == run:
-            return count
-    raise BadInput(f"{handle.where} has no result {run}; add it first.")

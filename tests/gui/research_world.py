@@ -6,6 +6,7 @@ from annotation.results.proposals import shape_item
 from annotation.storage.blobs import keep_shapes
 from annotation.study import record_vote
 from engine.shapes.identity import match_id, mesh_id, node_id, segment_ids
+from gui.main_window import MainWindow
 
 
 def sides(shape):
@@ -58,3 +59,21 @@ def known(items, answers):
 
 
 __all__ = ["items_of", "judged_study", "keep_shapes", "known", "run_of", "runs_of_bars"]
+
+
+def made_window(qtbot, tmp_path, monkeypatch):
+    """A furnished window with data and a cache of its own, closed at the end; for fixtures."""
+    monkeypatch.setenv("CONCORD_HOME", str(tmp_path / "data"))
+    monkeypatch.setenv("CONCORD_CACHE", str(tmp_path / "cache"))
+    made = MainWindow(dark=False)
+    made.furnish()
+    qtbot.addWidget(made)
+    made.show()
+    qtbot.waitUntil(lambda: made.judging.handle is not None)
+    yield made
+    made.close()
+
+
+def settle(window, qtbot):
+    """Wait until nothing is under way."""
+    qtbot.waitUntil(lambda: not (window.jobs.busy() or window.study_jobs.busy() or window.studies.jobs.busy()), timeout=60_000)

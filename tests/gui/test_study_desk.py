@@ -7,13 +7,12 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtWidgets import QDialog, QFileDialog, QLineEdit, QWidget
-from research_world import judged_study, runs_of_bars
+from research_world import judged_study, made_window, runs_of_bars, settle
 
 from annotation import study
 from annotation.results.proposals import add_run
 from annotation.results.studyruns import Unasked, item_count
 from engine.shapes.families.collection import off_text
-from gui.main_window import MainWindow
 from gui.pages.ask_dialog import AskDialog, Field
 from gui.pages.study import work as study_work
 from gui.pages.study.asks import formats_of, free_file, packet_fields, top_up_fields
@@ -24,19 +23,7 @@ from gui.pages.study.wizard import STEPS, StudyWizard, Wanted
 
 @pytest.fixture
 def window(qtbot, tmp_path, monkeypatch):
-    monkeypatch.setenv("CONCORD_HOME", str(tmp_path / "data"))
-    monkeypatch.setenv("CONCORD_CACHE", str(tmp_path / "cache"))
-    made = MainWindow(dark=False)
-    made.furnish()
-    qtbot.addWidget(made)
-    made.show()
-    qtbot.waitUntil(lambda: made.judging.handle is not None)
-    yield made
-    made.close()
-
-
-def settle(window, qtbot):
-    qtbot.waitUntil(lambda: not (window.jobs.busy() or window.study_jobs.busy() or window.studies.jobs.busy()), timeout=60_000)
+    yield from made_window(qtbot, tmp_path, monkeypatch)
 
 
 @pytest.fixture

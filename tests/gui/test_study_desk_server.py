@@ -5,11 +5,10 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtWidgets import QDialog, QLineEdit
-from research_world import runs_of_bars
+from research_world import made_window, runs_of_bars, settle
 
 from annotation import study
 from annotation.design.designing import Design, create_design
-from gui.main_window import MainWindow
 from gui.pages.ask_dialog import AskDialog
 from gui.pages.study.sources import Source
 from gui.pages.study.wizard import STEPS, StudyWizard
@@ -30,18 +29,7 @@ def server():
 
 @pytest.fixture
 def window(qtbot, tmp_path, monkeypatch):
-    monkeypatch.setenv("CONCORD_HOME", str(tmp_path / "data"))
-    made = MainWindow(dark=False)
-    made.furnish()
-    qtbot.addWidget(made)
-    made.show()
-    qtbot.waitUntil(lambda: made.judging.handle is not None)
-    yield made
-    made.close()
-
-
-def settle(window, qtbot):
-    qtbot.waitUntil(lambda: not (window.jobs.busy() or window.study_jobs.busy() or window.studies.jobs.busy()), timeout=60_000)
+    yield from made_window(qtbot, tmp_path, monkeypatch)
 
 
 def shown(window, kind=QDialog):
